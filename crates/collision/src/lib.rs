@@ -1,0 +1,1 @@
+//! Which objects does this posture, this motion, touch: answers in sets.

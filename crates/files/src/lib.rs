@@ -1,0 +1,1 @@
+//! Reads untrusted files within bounds; errors that point at the place.

@@ -1,0 +1,17 @@
+//! Poses, convex shapes, footprints, and the distances between them.
+//!
+//! Everything is in metres and radians, right-handed, z up, `f64`. A shape's own frame sits at its
+//! centre; cylinders and capsules stand along their own z.
+
+pub mod convex;
+pub mod distance;
+pub mod footprint;
+pub mod hull;
+pub mod pose;
+pub mod signed_distance;
+
+pub use convex::{Convex, Solid};
+pub use footprint::Circle;
+pub use pose::Pose;
+
+pub use glam::{DMat3 as Mat3, DQuat as Quat, DVec2 as Vec2, DVec3 as Vec3};

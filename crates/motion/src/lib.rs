@@ -1,0 +1,1 @@
+//! From posture to posture without touching: RRT-Connect, shortcuts, timing.

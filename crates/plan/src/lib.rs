@@ -1,0 +1,19 @@
+//! The nouns that all of Clearway shares, as plain data: which objects ([`ObjectSet`]), how long
+//! ([`Budget`]), what happens ([`Event`]), and the three documents that are read and written:
+//! [`SceneFile`], [`RobotFile`], [`PlanFile`].
+//!
+//! SI units throughout; world frame right-handed with z up; quaternions `[x, y, z, w]`.
+
+pub mod budget;
+pub mod event;
+pub mod object_set;
+pub mod plan_file;
+pub mod robot_file;
+pub mod scene_file;
+
+pub use budget::{Budget, Stop};
+pub use event::{Event, Observer};
+pub use object_set::{ObjectId, ObjectSet};
+pub use plan_file::PlanFile;
+pub use robot_file::RobotFile;
+pub use scene_file::SceneFile;

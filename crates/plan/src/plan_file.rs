@@ -1,0 +1,279 @@
+//! The plan file: `clearway-plan/1`. Whole: a checker needs nothing else but the meshes it names.
+//! Written strictly, read leniently: unknown keys are ignored.
+
+use crate::scene_file::SceneFile;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+pub const FORMAT: &str = "clearway-plan/1";
+
+/// A plan, or the account of why there is none.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct PlanFile {
+    /// `clearway-plan/1`.
+    pub format: String,
+    pub status: Status,
+    pub seed: u64,
+    /// The scene file's content, defaults filled in, supports snapped.
+    pub scene: SceneFile,
+    pub robot: PlannedRobot,
+    /// The objects removed, in order; the target is the last.
+    #[serde(default)]
+    pub removed: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower_bound: Option<LowerBound>,
+    #[serde(default)]
+    pub steps: Vec<Step>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trace: Option<Trace>,
+    #[serde(default)]
+    pub timing: Timing,
+    #[serde(default)]
+    pub stats: Stats,
+    #[serde(default)]
+    pub why: Why,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Status {
+    Solved,
+    /// Proved: no plan exists over the declared grasps.
+    Impossible,
+    /// The budget was spent; nothing is proved.
+    OutOfBudget,
+}
+
+/// The robot as planned for.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct PlannedRobot {
+    /// The whole URDF, as text.
+    pub urdf: String,
+    /// The columns of every segment's `positions`.
+    pub joints: Vec<String>,
+    /// The link that `pose_in_tool` is seen from.
+    pub tool: String,
+    /// Joints not in `joints`, held at these values.
+    #[serde(default)]
+    pub fixed: BTreeMap<String, f64>,
+    #[serde(default)]
+    pub home: BTreeMap<String, f64>,
+    pub limits: JointLimits,
+    pub hand: PlannedHand,
+    /// Link pairs that are not checked: adjacent, of the hand, or (nearly) always touching.
+    #[serde(default)]
+    pub unchecked_pairs: Vec<[String; 2]>,
+    #[serde(default)]
+    pub meshes: Vec<MeshFile>,
+}
+
+/// By joint name: rad/s and rad/s², m/s and m/s² for joints that slide.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct JointLimits {
+    pub velocity: BTreeMap<String, f64>,
+    pub acceleration: BTreeMap<String, f64>,
+}
+
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct PlannedHand {
+    /// `parallel` or `suction`.
+    pub kind: String,
+    pub frame: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
+    /// Joint value → gap between the pads, metres.
+    #[serde(default)]
+    pub opening: BTreeMap<String, f64>,
+    pub links: Vec<String>,
+    pub base_radius: f64,
+    pub finger_thickness: f64,
+    /// The cup's radius, metres; suction only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius: Option<f64>,
+}
+
+/// A mesh that the URDF or the scene names.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct MeshFile {
+    /// As written in the URDF or the scene.
+    pub uri: String,
+    /// Relative to the plan file.
+    pub file: String,
+    pub sha256: String,
+}
+
+/// One object taken (or pushed) and put away.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Step {
+    pub object: String,
+    pub action: Action,
+    pub segments: Vec<Segment>,
+    pub placed: PlacedPose,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    PickPlace,
+    Push,
+}
+
+/// A motion with one purpose. Rows are joint positions; straight lines in between.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Segment {
+    pub kind: SegmentKind,
+    /// Seconds from the segment's start, rising from 0, at most 0.02 apart.
+    pub times: Vec<f64>,
+    /// A row per time, a column per joint.
+    pub positions: Vec<Vec<f64>>,
+    /// Gripper joint → value, or a value per row. Others follow by `<mimic>`.
+    #[serde(default)]
+    pub gripper: BTreeMap<String, GripperValue>,
+    /// Given exactly while the hand holds the object.
+    pub attached: Option<Attached>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SegmentKind {
+    Transit,
+    Approach,
+    Grasp,
+    Transfer,
+    Release,
+    Retreat,
+    Push,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum GripperValue {
+    Held(f64),
+    Rows(Vec<f64>),
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Attached {
+    pub object: String,
+    pub tool: String,
+    pub pose_in_tool: PlacedPose,
+}
+
+/// A pose as plans write it; the quaternion is `[x, y, z, w]`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PlacedPose {
+    pub position: [f64; 3],
+    pub quaternion: [f64; 4],
+}
+
+/// How many removals every plan needs, the target included, and what proves it.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct LowerBound {
+    pub removed: usize,
+    /// `geometric`, `grasps` or `roadmap`.
+    pub kind: String,
+    pub proof: serde_json::Value,
+}
+
+/// What the planner built, for the viewer and for figures.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct Trace {
+    pub roadmap: RoadmapTrace,
+    pub retrieval_graph: GraphTrace,
+}
+
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct RoadmapTrace {
+    /// Footprint radius r_b of the target with the gripper, metres.
+    pub footprint_radius: f64,
+    /// World x and y. Node 0 is x_s, node 1 is x_g.
+    pub nodes: Vec<[f64; 2]>,
+    pub edges: Vec<[usize; 2]>,
+    /// Col(x), one per node.
+    pub collisions: Vec<Vec<String>>,
+    /// The nodes of the path taken, from x_s to x_g.
+    pub path: Vec<usize>,
+}
+
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct GraphTrace {
+    pub nodes: Vec<GraphNodeTrace>,
+    pub edges: Vec<[usize; 2]>,
+    /// The nodes of the best path, from n_s to n_g.
+    pub path: Vec<usize>,
+}
+
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct GraphNodeTrace {
+    /// NodeCol.
+    pub collisions: Vec<String>,
+    /// How many roadmap nodes it clusters; 0 for a node made from a failure.
+    pub roadmap_nodes: usize,
+    /// Mean of its roadmap nodes, world x and y; of the object for a node made from a failure.
+    pub position: [f64; 2],
+    /// For a node made from a failed feasibility check: the object that could not be taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blocks: Option<String>,
+}
+
+/// Wall-clock seconds of planning alone.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct Timing {
+    pub total: f64,
+    pub task: f64,
+    pub motion: f64,
+}
+
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct Stats {
+    /// Rounds of Algorithm 1.
+    pub iterations: usize,
+    /// *L* of the last round.
+    pub exploration_limit: usize,
+    pub roadmap_nodes: usize,
+    pub retrieval_nodes: usize,
+    pub samples: usize,
+    pub sequences_tried: usize,
+    /// Grasp postures looked at.
+    #[serde(default)]
+    pub grasps_tried: usize,
+}
+
+/// Why these objects, in this order; for a failure, what stood in the way.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct Why {
+    /// The verdict in a sentence.
+    #[serde(default)]
+    pub summary: String,
+    #[serde(default)]
+    pub objects: Vec<ObjectWhy>,
+}
+
+/// What was learned about taking one object.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct ObjectWhy {
+    pub object: String,
+    /// In the order of removal, from 1; 0 when it was not removed.
+    #[serde(default)]
+    pub order: usize,
+    /// What this object stood in the way of, in words.
+    #[serde(default)]
+    pub reason: String,
+    /// The objects that could not be had, or the target not brought out, while it stood.
+    #[serde(default)]
+    pub blocked: Vec<String>,
+    /// Each set is one way in: all of its objects have to go first.
+    #[serde(default)]
+    pub blocked_by: Vec<Vec<String>>,
+    /// Grasps looked at, by what became of them.
+    #[serde(default)]
+    pub grasps: Vec<GraspCount>,
+}
+
+/// So many grasp postures ended this way.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct GraspCount {
+    pub outcome: String,
+    pub count: usize,
+}

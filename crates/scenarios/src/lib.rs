@@ -1,0 +1,1 @@
+//! Draws scenes and rejects the easy ones.

@@ -1,0 +1,1 @@
+//! Shelf, objects, target and places, read from scene files and checked.
