@@ -88,3 +88,26 @@ export function linkMatrices(joints, values, base) {
   }
   return links;
 }
+
+/** The inverse of a rigid motion. */
+export function invert(m) {
+  const t = [0, 1, 2].map((c) => -(m[c] * m[3] + m[4 + c] * m[7] + m[8 + c] * m[11]));
+  return [m[0], m[4], m[8], t[0], m[1], m[5], m[9], t[1], m[2], m[6], m[10], t[2], 0, 0, 0, 1];
+}
+
+/** A rotation matrix as a quaternion `[x, y, z, w]`, by its largest component. */
+export function quaternionOf(m) {
+  const d = [m[0], m[5], m[10]];
+  const candidates = [
+    [1 + d[0] - d[1] - d[2], m[1] + m[4], m[8] + m[2], m[9] - m[6]],
+    [m[1] + m[4], 1 - d[0] + d[1] - d[2], m[6] + m[9], m[2] - m[8]],
+    [m[8] + m[2], m[6] + m[9], 1 - d[0] - d[1] + d[2], m[4] - m[1]],
+    [m[9] - m[6], m[2] - m[8], m[4] - m[1], 1 + d[0] + d[1] + d[2]],
+  ];
+  const best = candidates.reduce((a, b, i) => (b[i] > candidates[a][a] ? i : a), 0);
+  const q = candidates[best];
+  return q.map((v) => v / Math.hypot(...q));
+}
+
+/** Angle of the rotation between two quaternions, whichever their signs. */
+export const angleBetween = (a, b) => 2 * Math.acos(Math.min(1, Math.abs(a.reduce((sum, v, i) => sum + v * b[i], 0))));

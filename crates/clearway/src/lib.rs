@@ -1,1 +1,37 @@
-//! The face.
+//! Which objects must move, in what order, and how, so that the robot can take the one it wants.
+//!
+//! ```no_run
+//! let (scene, robot) = clearway::open("examples/shelf.yaml".as_ref(), &[])?;
+//! let mut planner = clearway::Planner::new(scene, robot, clearway::Settings::default()).unwrap();
+//! let request = clearway::Request { seed: 1, budget: clearway::Budget::unlimited() };
+//! match clearway::solve(&mut planner, &request, ".".as_ref(), &mut clearway::Silent) {
+//!     clearway::Outcome::Solved(plan) => println!("{:?}", plan.plan().removed),
+//!     other => println!("{other:?}"),
+//! }
+//! # Ok::<(), clearway::FileError>(())
+//! ```
+
+mod outcome;
+mod written;
+
+pub use clearway_export as export;
+pub use clearway_files::FileError;
+pub use clearway_plan::event::{Event, Observer, Silent};
+pub use clearway_plan::{Budget, PlanFile, RobotFile, SceneFile, Stop};
+pub use clearway_retrieval::{FirstLimit, Planner, Request, SceneDelta, Search, Settings, Unfit};
+pub use clearway_robot::Robot;
+pub use clearway_scenarios as scenarios;
+pub use clearway_scene::Scene;
+pub use clearway_verify::{Report, VerifiedPlan, read_plan, verify_file};
+pub use outcome::{Outcome, duration, improve, solve};
+pub use written::{page, to_json, with_meshes_relative_to};
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Reads a scene file and the robot that it names. `packages`: where `package://NAME` leads.
+pub fn open(scene: &Path, packages: &[(String, PathBuf)]) -> Result<(Scene, Arc<Robot>), FileError> {
+    let scene = Scene::load(scene)?;
+    let robot = Robot::load(&scene.file.robot.model, &scene.directory, packages)?;
+    Ok((scene, Arc::new(robot)))
+}

@@ -1,1 +1,24 @@
-//! Which objects does this posture, this motion, touch: answers in sets.
+//! Which objects does this posture touch? Answers in sets.
+//!
+//! Everything is in the robot's root frame, metres. Links are covered by spheres that dismiss
+//! what is far; where a sphere meets an obstacle, the exact convex parts decide (GJK). So a
+//! posture called free keeps at least the asked margin between exact shapes, and nothing is
+//! called blocked because a sphere is too fat.
+//!
+//! A [`World`] holds what never changes (robot, fixtures, objects where they stand first); a
+//! [`Moment`] says what is the case now: which objects still stand, where others were put down,
+//! what the hand holds. Removing an object from the moment's set rebuilds nothing.
+
+mod moment;
+mod obstacle;
+mod pairs;
+mod query;
+mod report;
+mod world;
+
+pub use moment::{Held, Moment};
+pub use obstacle::Obstacle;
+pub use pairs::unchecked_pairs;
+pub use query::{Scratch, Touch};
+pub use report::Contact;
+pub use world::World;

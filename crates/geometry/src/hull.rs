@@ -4,7 +4,7 @@
 
 use crate::convex::Hull;
 use glam::DVec3;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Why no hull could be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +31,7 @@ pub fn convex_hull(points: &[DVec3]) -> Result<Hull, HullError> {
     let centre = points.iter().sum::<DVec3>() / points.len() as f64;
     let size = points.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
     let mut planes: Vec<(DVec3, f64)> = Vec::new();
+    let mut seen: HashSet<[i64; 4]> = HashSet::new();
     for t in &triangles {
         let [a, b, c] = t.map(|i| points[i as usize]);
         let normal = (b - a).cross(c - a);
@@ -38,18 +39,32 @@ pub fn convex_hull(points: &[DVec3]) -> Result<Hull, HullError> {
             continue;
         }
         let normal = normal.normalize();
-        // The offset is the support along the normal, so that no corner is ever outside.
-        let offset = points.iter().map(|p| p.dot(normal)).fold(f64::NEG_INFINITY, f64::max);
-        if !planes.iter().any(|(n, d)| n.dot(normal) > 1.0 - 1e-10 && (d - offset).abs() < 1e-9) {
+        // A hair outside the corners, so that rounding leaves none of them out.
+        let offset = [a, b, c].iter().map(|p| p.dot(normal)).fold(f64::NEG_INFINITY, f64::max) + 1e-9 * size;
+        // Triangles of one flat face share their plane.
+        let key = [normal.x, normal.y, normal.z, offset / size].map(|v| (v * 1e7).round() as i64);
+        if seen.insert(key) {
             planes.push((normal, offset));
         }
     }
-    let thickness =
-        planes.iter().map(|(n, d)| d - points.iter().map(|p| p.dot(*n)).fold(f64::INFINITY, f64::min)).fold(f64::INFINITY, f64::min);
-    if planes.len() < 4 || thickness < 1e-7 {
+    if planes.len() < 4 || is_flat(&points) {
         return Err(HullError::Flat);
     }
     Ok(Hull { points, triangles, planes })
+}
+
+/// Whether points span less than a tenth of a micrometre in some direction: the direction across
+/// their two widest ones is looked at.
+fn is_flat(points: &[DVec3]) -> bool {
+    let first = points[0];
+    let far = |score: &dyn Fn(&DVec3) -> f64| points.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b))).unwrap_or(first);
+    let second = far(&|p| p.distance(first));
+    let along = (second - first).normalize_or_zero();
+    let third = far(&|p| (*p - first).cross(along).length());
+    let normal = along.cross(third - first).normalize_or_zero();
+    let heights = points.iter().map(|p| (*p - first).dot(normal));
+    let (low, high) = heights.fold((0.0f64, 0.0f64), |(l, h), d| (l.min(d), h.max(d)));
+    high - low < 1e-7
 }
 
 /// The hulls of a triangle mesh's connected parts (corners closer than 1 µm are one), largest

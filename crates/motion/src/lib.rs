@@ -1,1 +1,33 @@
-//! From posture to posture without touching: RRT-Connect, shortcuts, timing.
+//! From posture to posture without touching: RRT-Connect, shortcuts, curves and timing.
+//!
+//! Postures are rows of joint values (radians, metres) in the arm's order. Collisions are asked of
+//! [`clearway_collision::World`] at one [`clearway_collision::Moment`].
+
+mod curve;
+mod rrt_connect;
+mod shortcut;
+mod space;
+mod timing;
+
+pub use curve::{Curve, smooth};
+pub use rrt_connect::{Settings as RrtSettings, connect};
+pub use shortcut::shorten;
+pub use space::Space;
+pub use timing::{Limits, Timed, time_curve};
+
+/// A row of joint values.
+pub type Posture = Vec<f64>;
+
+/// Straight lines between postures.
+pub type Path = Vec<Posture>;
+
+/// The sum over a path of the Euclidean joint distances between its postures.
+pub fn length(path: &[Posture]) -> f64 {
+    path.windows(2).map(|w| distance(&w[0], &w[1])).sum()
+}
+
+/// Euclidean distance in joint space.
+#[inline]
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}

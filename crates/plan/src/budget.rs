@@ -46,6 +46,12 @@ impl Budget {
         self
     }
 
+    /// The same flag and iterations, but all the time in the world.
+    #[must_use]
+    pub fn without_deadline(&self) -> Self {
+        Self { deadline: None, ..self.clone() }
+    }
+
     /// Counts one iteration, and says whether it may be run.
     pub fn iteration(&self) -> Result<(), Stop> {
         self.check()?;

@@ -35,6 +35,26 @@ pub struct PlanFile {
     pub why: Why,
 }
 
+impl PlanFile {
+    /// A file for a scene that has no plan; everything but the scene is empty.
+    pub fn unsolved(scene: SceneFile) -> Self {
+        Self {
+            format: FORMAT.to_owned(),
+            status: Status::OutOfBudget,
+            seed: 0,
+            scene,
+            robot: PlannedRobot::default(),
+            removed: Vec::new(),
+            lower_bound: None,
+            steps: Vec::new(),
+            trace: None,
+            timing: Timing::default(),
+            stats: Stats::default(),
+            why: Why::default(),
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {

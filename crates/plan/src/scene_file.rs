@@ -1,5 +1,6 @@
 //! The scene file, as written: `clearway-scene/1`. What it means is checked by `clearway-scene`.
 
+use clearway_geometry::{Pose, Vec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -70,6 +71,17 @@ pub struct PoseKeys {
     pub rpy: Option<[f64; 3]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quaternion: Option<[f64; 4]>,
+}
+
+impl PoseKeys {
+    /// The pose they name; a quaternion wins over `rpy`.
+    pub fn pose(&self) -> Pose {
+        let position = Vec3::from_array(self.position);
+        match self.quaternion {
+            Some(quaternion) => Pose::from_quaternion(quaternion, position),
+            None => Pose::from_rpy(self.rpy.unwrap_or_default(), position),
+        }
+    }
 }
 
 /// A fixture or an object: an id, exactly one shape key, and the pose of the shape's centre.

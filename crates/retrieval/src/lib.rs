@@ -1,1 +1,24 @@
-//! Which objects must move, in what order, and how: the planner of the paper.
+//! Which objects must move, in what order, and how: the planner of Tian, Song, Wang, Zhang and
+//! Pan, "Sampling-Based Planning for Retrieving Near-Cylindrical Objects in Cluttered Scenes Using
+//! Hierarchical Graphs", a module per idea.
+//!
+//! | module | paper |
+//! |---|---|
+//! | [`floor`] | footprint (Appendix B), x_s, x_g |
+//! | [`roadmap`] | Algorithm 2 |
+//! | [`graph`] | section IV-C, Algorithm 3, Figs. 4 to 6 |
+//! | [`grasps`], [`ways`], [`carry`] | section IV-D |
+//! | [`planner`] | Algorithm 1 |
+
+pub mod carry;
+pub mod floor;
+pub mod graph;
+pub mod grasps;
+pub mod place;
+pub mod planner;
+pub mod roadmap;
+mod trace;
+pub mod ways;
+
+pub use graph::Search;
+pub use planner::{Answer, FirstLimit, Planner, Request, SceneDelta, Settings, Unfit};

@@ -1,1 +1,135 @@
-//! Draws scenes and rejects the easy ones.
+//! Draws scenes after the paper's recipes (section VI-B), and rejects the easy ones.
+//!
+//! A draw is rejected for one reason only: that the target can be had with fewer removals than
+//! asked for; without asking, that it can be had directly. That is decided by the planner itself,
+//! with the arm. Everything comes from the seed.
+
+mod shelf;
+
+use clearway_plan::event::Silent;
+use clearway_plan::plan_file::Status;
+use clearway_plan::{Budget, SceneFile};
+use clearway_retrieval::{Planner, Request, Settings, Unfit};
+use clearway_robot::Robot;
+use clearway_scene::Scene;
+use rand::SeedableRng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What is asked for.
+#[derive(Clone, Debug)]
+pub struct Wanted {
+    pub objects: usize,
+    pub seed: u64,
+    /// The target included. Default: 2 where there are at least two objects.
+    pub least_removals: Option<usize>,
+}
+
+/// A scene drawn.
+#[derive(Clone, Debug)]
+pub struct Drawn {
+    pub file: SceneFile,
+    /// Draws rejected before it.
+    pub rejected: usize,
+    /// False when the draws allowed were spent and an easier scene was kept.
+    pub as_wanted: bool,
+}
+
+/// Why there is no scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NoScene {
+    /// So many objects do not fit; about this many did.
+    DoesNotFit { fitted: usize },
+    /// More removals asked for than there are objects.
+    TooManyRemovals,
+    NoObjects,
+    /// The scene drawn was refused: an internal error.
+    Unsound(String),
+}
+
+impl std::fmt::Display for NoScene {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::DoesNotFit { fitted } => {
+                write!(f, "so many objects do not fit into the largest cabinet: {fitted} did; ask for fewer")
+            }
+            Self::TooManyRemovals => write!(f, "the least number of removals is larger than the number of objects"),
+            Self::NoObjects => write!(f, "a scene needs at least one object, the target"),
+            Self::Unsound(why) => write!(f, "the scene drawn is not sound: {why}"),
+        }
+    }
+}
+
+/// Draws before an easier scene is kept.
+const MOST_DRAWS: usize = 400;
+
+/// A cluttered shelf with a UR10 in front (section VI-B).
+pub fn shelf(wanted: &Wanted) -> Result<Drawn, NoScene> {
+    if wanted.objects == 0 {
+        return Err(NoScene::NoObjects);
+    }
+    let least = wanted.least_removals.unwrap_or(2.min(wanted.objects));
+    if least > wanted.objects {
+        return Err(NoScene::TooManyRemovals);
+    }
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(wanted.seed);
+    let robot = Robot::load(shelf::ROBOT, Path::new("."), &[]).map_err(|e| NoScene::Unsound(e.to_string()))?;
+    let robot = Arc::new(robot);
+    let mut rejected = 0;
+    loop {
+        let mut file = shelf::draw(wanted.objects, &mut random)?;
+        file.name = format!("shelf-{}-{}", wanted.objects, wanted.seed);
+        let scene = Scene::from_file_struct(file, Path::new(".")).map_err(|e| NoScene::Unsound(e.to_string()))?;
+        let file = scene.file.clone();
+        let easy = least > 1 && fewer_suffice(scene, robot.clone(), least)?;
+        if !easy {
+            return Ok(Drawn { file, rejected, as_wanted: true });
+        }
+        if rejected + 1 == MOST_DRAWS {
+            return Ok(Drawn { file, rejected, as_wanted: false });
+        }
+        rejected += 1;
+    }
+}
+
+/// Whether the target can be had with fewer than `least` removals, as far as the planner can tell
+/// with its exploration limit held below.
+fn fewer_suffice(scene: Scene, robot: Arc<Robot>, least: usize) -> Result<bool, NoScene> {
+    let unsound = |u: Unfit| NoScene::Unsound(format!("{u:?}"));
+    let mut planner = Planner::new(scene, robot, Settings::default()).map_err(unsound)?;
+    // L rises by one a round, from 1: so many rounds look at all shorter sequences. The deadline
+    // only guards against a scene that never ends; a draw is then kept.
+    let budget = Budget::unlimited().with_iterations(least as u64 - 1).with_time(Duration::from_secs(20));
+    let answer = planner.plan(&Request { seed: 1, budget }, &mut Silent);
+    Ok(answer.plan.status == Status::Solved)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_are_sound_repeatable_and_not_easy() {
+        for (objects, seed) in [(12, 3), (20, 1)] {
+            let wanted = Wanted { objects, seed, least_removals: None };
+            let drawn = shelf(&wanted).unwrap();
+            assert_eq!(drawn.file.objects.len(), objects);
+            assert!(drawn.as_wanted);
+            assert_eq!(drawn.file, shelf(&wanted).unwrap().file);
+            let scene = Scene::from_file_struct(drawn.file, Path::new(".")).unwrap();
+            let robot = Arc::new(Robot::load(shelf::ROBOT, Path::new("."), &[]).unwrap());
+            assert!(!fewer_suffice(scene, robot, 2).unwrap());
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_told() {
+        let wanted = |objects, least_removals| Wanted { objects, seed: 1, least_removals };
+        assert_eq!(shelf(&wanted(0, None)).unwrap_err(), NoScene::NoObjects);
+        assert_eq!(shelf(&wanted(3, Some(4))).unwrap_err(), NoScene::TooManyRemovals);
+        assert!(matches!(shelf(&wanted(250, None)), Err(NoScene::DoesNotFit { .. })));
+        assert_eq!(shelf(&wanted(1, None)).unwrap().file.objects.len(), 1);
+    }
+}

@@ -1,1 +1,48 @@
-//! Judges a finished plan with exact shapes, by means that share nothing with the planner's.
+//! A second opinion on a finished plan. Judges a [`PlanFile`](clearway_plan::PlanFile) against its
+//! contract: structure, limits, what may go unchecked, what is held and where it is put down, and
+//! that nothing touches anything at any instant.
+//!
+//! Shares no kinematics, collision or interpolation code with the planner: it has its own forward
+//! kinematics ([`model`](self)), exact shapes from `parry3d-f64`, and its own interpolation.
+//! SI units, world frame with z up. Touching means overlapping by more than 0.1 mm.
+//!
+//! ```no_run
+//! use clearway_plan::Budget;
+//! let report = clearway_verify::verify_file("plan.json".as_ref(), &Budget::unlimited())?;
+//! print!("{report}");
+//! # Ok::<(), clearway_verify::CannotJudge>(())
+//! ```
+//!
+//! It does not judge: the proof of a lower bound (beyond the trivial one), stability of what stands,
+//! the force of a grip, jerk, and the motion of an object that is pushed without being attached.
+//! Those are listed in [`Report::not_checked`] where a plan has them.
+
+mod accept;
+mod carry;
+mod case;
+mod claims;
+mod collisions;
+mod error;
+mod gap;
+mod gripper;
+mod judge;
+mod limits;
+mod meshes;
+mod model;
+mod names;
+mod placement;
+mod read;
+mod report;
+mod rest;
+mod rows;
+mod shapes;
+mod steps;
+mod sweep;
+mod unchecked;
+mod urdf;
+
+pub use accept::{Rejected, VerifiedPlan, accept};
+pub use error::CannotJudge;
+pub use judge::verify;
+pub use read::{read_plan, verify_file};
+pub use report::{Report, Summary, Violation, ViolationKind};

@@ -1,0 +1,194 @@
+//! What can be said on the command line.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Which objects must move, in what order, and how, so that the robot can take the one it wants.
+///
+/// Without a command: plans the built-in demo scene and writes the plan and its page.
+#[derive(Debug, Parser)]
+#[command(name = "clearway", version, max_term_width = 100)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Plan a scene: from a scene file to a checked, timed, executable plan.
+    Plan(PlanArgs),
+    /// Judge a plan file with exact shapes and code that shares nothing with the planner's.
+    Verify(VerifyArgs),
+    /// Say why these objects, in this order; for a failure, what stood in the way.
+    Explain(ExplainArgs),
+    /// Make a scene.
+    Generate(GenerateArgs),
+    /// Make one self-contained page: the scene, the robot moving, the roadmap and the graph.
+    View(ViewArgs),
+    /// Check a robot and say what was found.
+    Robot(RobotArgs),
+    /// Write a plan for other programs.
+    Export(ExportArgs),
+    /// Print the JSON Schema of a file.
+    Schema(SchemaArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct PlanArgs {
+    /// The scene file (YAML or JSON).
+    pub scene: PathBuf,
+    /// Everything random comes from it.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Seconds of planning before giving up.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub time_limit: Option<f64>,
+    /// Rounds of the planner before giving up; makes runs repeatable on any machine.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub iterations: Option<u64>,
+    /// Threads to use at most; the plan does not depend on it. One is used at present.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Seconds to spend on fewer removals, then shorter motion, once a plan is found.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub improve: Option<f64>,
+    /// Where to write the plan.
+    #[arg(short, long, value_name = "PLAN.json")]
+    pub output: Option<PathBuf>,
+    /// Where to write the plan's page.
+    #[arg(long, value_name = "PAGE.html")]
+    pub html: Option<PathBuf>,
+    /// Print the summary as one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+    /// Where `package://NAME` in the robot's URDF leads.
+    #[arg(long, value_name = "NAME=DIR", value_parser = package)]
+    pub package: Vec<(String, PathBuf)>,
+    /// Plan as the paper did: greedy search, the roadmap's ways only, its sample counts.
+    #[arg(long)]
+    pub paper: bool,
+    /// The exploration limit of the first round.
+    #[arg(long, value_enum, default_value_t = First::One)]
+    pub first_limit: First,
+    /// How the retrieval graph is searched; default: exact, greedy with --paper.
+    #[arg(long, value_enum)]
+    pub search: Option<SearchKind>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum First {
+    /// 1: fewest removals.
+    One,
+    /// The fewest objects in the way of grasping the target directly, plus one for the target.
+    Grasp,
+    /// All objects: every sequence is allowed from the start.
+    All,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum SearchKind {
+    Exact,
+    Greedy,
+}
+
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    pub plan: PathBuf,
+    /// Print the report as one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ExplainArgs {
+    pub plan: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub struct GenerateArgs {
+    #[arg(value_enum)]
+    pub kind: Kind,
+    #[arg(long, default_value_t = 12)]
+    pub objects: usize,
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Reject scenes in which fewer objects suffice, the target counted.
+    #[arg(long, value_name = "N")]
+    pub least_removals: Option<usize>,
+    /// Where to write the scene; default: stdout.
+    #[arg(short, long, value_name = "SCENE")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Kind {
+    /// Cylinders in an open-fronted cabinet before a UR10.
+    Shelf,
+}
+
+#[derive(Debug, Args)]
+pub struct ViewArgs {
+    pub plan: PathBuf,
+    /// Default: the plan's name with `.html`.
+    #[arg(short, long, value_name = "PAGE.html")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub struct RobotArgs {
+    /// A built-in robot's name, a robot file, or a URDF.
+    #[arg(value_name = "NAME-or-FILE")]
+    pub model: String,
+    /// Where `package://NAME` in the URDF leads.
+    #[arg(long, value_name = "NAME=DIR", value_parser = package)]
+    pub package: Vec<(String, PathBuf)>,
+    /// Print the URDF that is planned for.
+    #[arg(long)]
+    pub urdf: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ExportArgs {
+    pub plan: PathBuf,
+    #[arg(long, value_enum)]
+    pub to: Format,
+    /// Default: stdout.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Format {
+    /// Shaped like ROS 2's trajectory_msgs/JointTrajectory, with the gripper's commands in between.
+    JointTrajectory,
+    /// One row per sample.
+    Csv,
+}
+
+#[derive(Debug, Args)]
+pub struct SchemaArgs {
+    #[arg(value_enum)]
+    pub file: Document,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Document {
+    Scene,
+    Robot,
+    Plan,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(s) if s > 0.0 && s <= 1e9 => Ok(s),
+        Ok(_) => Err("must be more than 0 seconds, and finite".to_owned()),
+        Err(_) => Err("is no number of seconds".to_owned()),
+    }
+}
+
+fn package(text: &str) -> Result<(String, PathBuf), String> {
+    match text.split_once('=') {
+        Some((name, directory)) if !name.is_empty() && !directory.is_empty() => Ok((name.to_owned(), directory.into())),
+        _ => Err("must be NAME=DIR".to_owned()),
+    }
+}

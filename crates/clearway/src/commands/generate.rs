@@ -1,0 +1,34 @@
+//! `clearway generate`: makes scenes.
+
+use super::{print, write};
+use crate::cli::{GenerateArgs, Kind};
+use crate::exit::{Exit, Failure};
+use clearway::scenarios::{self, NoScene, Wanted};
+
+pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
+    let wanted = Wanted { objects: args.objects, seed: args.seed, least_removals: args.least_removals };
+    let drawn = match args.kind {
+        Kind::Shelf => scenarios::shelf(&wanted),
+    };
+    let drawn = drawn.map_err(|error| match error {
+        NoScene::Unsound(_) => Failure::internal(error.to_string()),
+        _ => Failure::bad_input(format!("{error} (--objects {})", args.objects)),
+    })?;
+    let text = serde_saphyr::to_string(&drawn.file).map_err(|e| Failure::internal(format!("the scene is no YAML: {e}")))?;
+    match &args.output {
+        Some(path) => write(path, text.as_bytes())?,
+        None => print(&text),
+    }
+    let least = args.least_removals.unwrap_or(2);
+    eprintln!(
+        "{} objects, target {}; {} draw{} rejected because fewer than {least} removals suffice",
+        drawn.file.objects.len(),
+        drawn.file.target,
+        drawn.rejected,
+        if drawn.rejected == 1 { "" } else { "s" },
+    );
+    if !drawn.as_wanted {
+        eprintln!("warning: no draw needed that many; the last one is kept");
+    }
+    Ok(Exit::Done)
+}

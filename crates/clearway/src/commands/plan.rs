@@ -1,0 +1,100 @@
+//! `clearway plan`: the main job.
+
+use super::summary::{self, Progress};
+use super::{directory_of, print, write_page, write_plan};
+use crate::cli::{First, PlanArgs, SearchKind};
+use crate::exit::{Exit, Failure};
+use crate::interrupt;
+use clearway::{Budget, FirstLimit, Outcome, Planner, Request, Search, Settings, Stop, Unfit};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// The paper's limit for one planning instance (section VI-A), seconds.
+const TIME_LIMIT: f64 = 60.0;
+
+pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
+    let cancel = interrupt::flag();
+    let (scene, robot) = clearway::open(&args.scene, &args.package)?;
+    let mut planner = Planner::new(scene, robot, settings(args)).map_err(|u| unfit(&args.scene, &u))?;
+    let mut budget = Budget::unlimited().with_cancel(cancel);
+    if let Some(iterations) = args.iterations {
+        budget = budget.with_iterations(iterations);
+    }
+    // Iterations alone make runs repeatable; a clock only cuts in where one was asked for.
+    if args.time_limit.is_some() || args.iterations.is_none() {
+        budget = budget.with_time(Duration::from_secs_f64(args.time_limit.unwrap_or(TIME_LIMIT)));
+    }
+    let request = Request { seed: args.seed, budget };
+    let directory = args.output.as_deref().map_or(PathBuf::from("."), directory_of);
+    let mut progress = Progress::new(!args.json);
+    let outcome = clearway::solve(&mut planner, &request, &directory, &mut progress);
+    progress.clear();
+    let outcome = match (outcome, args.improve) {
+        (Outcome::Solved(first), Some(spend)) => {
+            Outcome::Solved(clearway::improve(&mut planner, first, &request, Duration::from_secs_f64(spend), &directory))
+        }
+        (outcome, _) => outcome,
+    };
+    finish(outcome, args.output.as_deref(), args.html.as_deref(), &directory, args.json)
+}
+
+/// Writes what was asked for, tells, and says how the program ends.
+pub fn finish(outcome: Outcome, output: Option<&Path>, html: Option<&Path>, directory: &Path, json: bool) -> Result<Exit, Failure> {
+    let (plan, report, exit) = match outcome {
+        Outcome::Solved(verified) => {
+            let report = verified.report().clone();
+            (verified.into_inner(), Some(report), Exit::Done)
+        }
+        Outcome::Impossible(plan) => (*plan, None, Exit::Impossible),
+        Outcome::OutOfBudget(_, Stop::Cancelled) => {
+            return Err(Failure { exit: Exit::Interrupted, message: "interrupted; nothing was written".to_owned() });
+        }
+        Outcome::OutOfBudget(plan, _) => (*plan, None, Exit::OutOfBudget),
+        Outcome::Refused(rejected) => {
+            return Err(Failure::internal(format!(
+                "the planner's own plan does not pass the verifier and was not written; please report this with the scene and the seed\n{rejected}"
+            )));
+        }
+    };
+    if let Some(path) = output {
+        write_plan(path, &plan)?;
+    }
+    if let Some(path) = html {
+        write_page(path, &plan, directory)?;
+    }
+    if json {
+        print(&format!("{}\n", summary::json(&plan, report.as_ref(), output, html)));
+    } else {
+        print(&summary::text(&plan, report.as_ref(), output, html));
+    }
+    Ok(exit)
+}
+
+fn settings(args: &PlanArgs) -> Settings {
+    let mut settings = if args.paper { Settings::paper() } else { Settings::default() };
+    settings.first_limit = match args.first_limit {
+        First::One => FirstLimit::One,
+        First::Grasp => FirstLimit::GraspCover,
+        First::All => FirstLimit::All,
+    };
+    match args.search {
+        Some(SearchKind::Exact) => settings.search = Search::Exact,
+        Some(SearchKind::Greedy) => settings.search = Search::Greedy,
+        None => {}
+    }
+    settings
+}
+
+fn unfit(scene: &Path, unfit: &Unfit) -> Failure {
+    let file = scene.display();
+    Failure::bad_input(match unfit {
+        Unfit::StartInCollision(contacts) => {
+            let list: String = contacts.iter().map(|c| format!("\n  {c}")).collect();
+            format!("{file}: the robot's start posture is in collision:{list}\n  help: give a free `robot.start`, or move the robot's `base` or what it touches")
+        }
+        Unfit::BadStart(why) => format!("{file}: {why}"),
+        Unfit::NoPlace(why) => format!(
+            "{file}: {why}\n  help: add one: `place: [{{id: tray, size: [0.5, 0.8], position: [x, y, z]}}]`, position being the centre of its top face"
+        ),
+    })
+}

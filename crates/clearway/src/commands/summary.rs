@@ -1,0 +1,107 @@
+//! What a run tells: progress while it runs, a summary at the end.
+
+use clearway::{Event, Observer, PlanFile, Report};
+use clearway_plan::plan_file::Status;
+use serde_json::{Value, json};
+use std::io::{IsTerminal, Write};
+use std::path::Path;
+
+/// One line on stderr that is written over, when that is a terminal.
+pub struct Progress {
+    shown: bool,
+    written: bool,
+}
+
+impl Progress {
+    pub fn new(wanted: bool) -> Self {
+        Self { shown: wanted && std::io::stderr().is_terminal(), written: false }
+    }
+
+    fn line(&mut self, text: &str) {
+        if self.shown {
+            let _ = write!(std::io::stderr(), "\r\x1b[2K{text}");
+            self.written = true;
+        }
+    }
+
+    pub fn clear(&mut self) {
+        if self.written {
+            let _ = write!(std::io::stderr(), "\r\x1b[2K");
+            self.written = false;
+        }
+    }
+}
+
+impl Observer for Progress {
+    fn event(&mut self, event: Event) {
+        match event {
+            Event::Iteration { exploration_limit, roadmap_nodes, .. } => {
+                self.line(&format!("exploration limit {exploration_limit}, {roadmap_nodes} roadmap nodes"));
+            }
+            Event::Sequence { objects } => self.line(&format!("trying {}", objects.join(" → "))),
+            Event::Blocked { object, .. } => self.line(&format!("{object} is blocked")),
+            Event::Taken { object } => self.line(&format!("motion found for {object}")),
+        }
+    }
+}
+
+/// For people.
+pub fn text(plan: &PlanFile, report: Option<&Report>, output: Option<&Path>, html: Option<&Path>) -> String {
+    let mut out = String::new();
+    match plan.status {
+        Status::Solved => {
+            out += &format!("solved: {}\n", plan.removed.join(" → "));
+            out += &format!("  removed {}{}\n", plan.removed.len(), bound(plan));
+            for step in &plan.why.objects {
+                out += &format!("  {}. {}: {}\n", step.order, step.object, step.reason);
+            }
+            out += &format!(
+                "  planned in {:.1} ms ({:.1} ms choosing, {:.1} ms moving), {:.1} s of motion\n",
+                plan.timing.total * 1e3,
+                plan.timing.task * 1e3,
+                plan.timing.motion * 1e3,
+                clearway::duration(plan)
+            );
+        }
+        Status::Impossible => out += &format!("impossible: {}\n", plan.why.summary),
+        Status::OutOfBudget => out += &format!("no plan: {}\n", plan.why.summary),
+    }
+    if plan.status != Status::Solved {
+        out += &super::explain::objects(plan);
+    }
+    if report.is_some() {
+        out += "  verified: no violations\n";
+    }
+    for (what, path) in [("plan", output), ("page", html)] {
+        if let Some(path) = path {
+            out += &format!("  {what}: {}\n", path.display());
+        }
+    }
+    out
+}
+
+fn bound(plan: &PlanFile) -> String {
+    match &plan.lower_bound {
+        Some(b) => format!(", at least {} needed ({})", b.removed, b.kind),
+        None => String::new(),
+    }
+}
+
+/// For programs: one object.
+pub fn json(plan: &PlanFile, report: Option<&Report>, output: Option<&Path>, html: Option<&Path>) -> Value {
+    let path = |p: Option<&Path>| p.map(|p| p.display().to_string());
+    json!({
+        "status": plan.status,
+        "seed": plan.seed,
+        "removed": plan.removed,
+        "lower_bound": plan.lower_bound.as_ref().map(|b| json!({"removed": b.removed, "kind": b.kind})),
+        "steps": plan.steps.len(),
+        "duration": clearway::duration(plan),
+        "timing": plan.timing,
+        "stats": plan.stats,
+        "verified": report.is_some_and(Report::is_valid),
+        "why": plan.why.summary,
+        "plan": path(output),
+        "page": path(html),
+    })
+}

@@ -1,0 +1,74 @@
+//! Planned, verified, and only then called solved.
+
+use crate::written::with_meshes_relative_to;
+use clearway_plan::event::{Observer, Silent};
+use clearway_plan::plan_file::{PlanFile, Status};
+use clearway_plan::{Budget, Stop};
+use clearway_retrieval::{Planner, Request};
+use clearway_verify::{Rejected, VerifiedPlan, accept};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// How a request ended.
+#[derive(Debug)]
+pub enum Outcome {
+    /// A whole plan that the verifier has passed.
+    Solved(Box<VerifiedPlan>),
+    /// Proved: there is no plan over the declared grasps. The file holds why.
+    Impossible(Box<PlanFile>),
+    /// The budget was spent; nothing is proved. The file holds what stood in the way.
+    OutOfBudget(Box<PlanFile>, Stop),
+    /// The verifier refused the plan: an error of ours.
+    Refused(Box<Rejected>),
+}
+
+/// Plans and verifies. Mesh files are named relative to `directory` in the plan.
+pub fn solve(planner: &mut Planner, request: &Request, directory: &Path, observer: &mut dyn Observer) -> Outcome {
+    let answer = planner.plan(request, observer);
+    let plan = with_meshes_relative_to(answer.plan, directory);
+    match (plan.status, answer.stopped) {
+        (Status::Solved, _) => {
+            // The deadline is the planner's: a plan found in time is judged to the end.
+            let budget = request.budget.without_deadline();
+            match accept(plan, directory, &budget) {
+                Ok(verified) => Outcome::Solved(Box::new(verified)),
+                Err(Rejected::Unjudged(clearway_verify::CannotJudge::Stopped(stop))) => {
+                    let mut plan = PlanFile::unsolved(planner.scene().file.clone());
+                    plan.why.summary = "Interrupted while the plan found was being verified.".to_owned();
+                    Outcome::OutOfBudget(Box::new(plan), stop)
+                }
+                Err(rejected) => Outcome::Refused(Box::new(rejected)),
+            }
+        }
+        (Status::Impossible, _) => Outcome::Impossible(Box::new(plan)),
+        (Status::OutOfBudget, stop) => Outcome::OutOfBudget(Box::new(plan), stop.unwrap_or(Stop::Deadline)),
+    }
+}
+
+/// Seconds of motion in a plan.
+pub fn duration(plan: &PlanFile) -> f64 {
+    plan.steps.iter().flat_map(|s| &s.segments).filter_map(|s| s.times.last()).sum()
+}
+
+/// Spends more time on a better plan: fewer removals, then shorter motion. Other seeds are planned
+/// with and verified; the best is kept.
+pub fn improve(planner: &mut Planner, first: Box<VerifiedPlan>, request: &Request, spend: Duration, directory: &Path) -> Box<VerifiedPlan> {
+    let until = Instant::now() + spend;
+    let rank = |plan: &PlanFile| (plan.removed.len(), duration(plan));
+    let mut best = first;
+    let mut seed = request.seed;
+    while let Some(left) = until.checked_duration_since(Instant::now()).filter(|d| !d.is_zero()) {
+        seed = seed.wrapping_add(1);
+        let budget: Budget = request.budget.without_deadline().with_time(left);
+        if budget.check().is_err() {
+            break;
+        }
+        let request = Request { seed, budget };
+        match solve(planner, &request, directory, &mut Silent) {
+            Outcome::Solved(plan) if rank(plan.plan()) < rank(best.plan()) => best = plan,
+            Outcome::OutOfBudget(_, Stop::Cancelled) => break,
+            _ => {}
+        }
+    }
+    best
+}

@@ -1,0 +1,44 @@
+//! What is the case at one time of a plan.
+
+use crate::obstacle::Obstacle;
+use clearway_geometry::{Pose, Solid};
+use clearway_plan::{ObjectId, ObjectSet};
+use std::sync::Arc;
+
+/// What the hand holds.
+#[derive(Clone, Debug)]
+pub struct Held {
+    pub object: ObjectId,
+    pub solid: Arc<Solid>,
+    pub tool_from_object: Pose,
+    /// Fixtures that carry the object where it is lifted off or put down: not checked against it
+    /// while [`Moment::resting`].
+    pub fixtures_below: Vec<usize>,
+    /// Likewise, standing objects.
+    pub objects_below: ObjectSet,
+}
+
+/// Which objects stand, which were put down where, and what the hand does.
+#[derive(Clone, Debug)]
+pub struct Moment {
+    /// Objects where the scene has them.
+    pub standing: ObjectSet,
+    /// Objects put down elsewhere, in the root frame.
+    pub placed: Vec<(ObjectId, Arc<Obstacle>)>,
+    pub held: Option<Held>,
+    /// The hand's links may touch this object: it is being approached, gripped or let go of. They
+    /// still may not go through it.
+    pub gripping: Option<ObjectId>,
+    /// The held object is being lifted off or put down.
+    pub resting: bool,
+    /// The hand's joint value.
+    pub hand: f64,
+    /// Closer than this is touching, metres.
+    pub margin: f64,
+}
+
+impl Moment {
+    pub fn new(standing: ObjectSet, hand: f64, margin: f64) -> Self {
+        Self { standing, placed: Vec::new(), held: None, gripping: None, resting: false, hand, margin }
+    }
+}

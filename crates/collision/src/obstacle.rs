@@ -1,0 +1,63 @@
+//! Something that stands still, placed in the robot's root frame.
+
+use clearway_geometry::{Convex, Pose, Solid, Vec3, distance::closer_than};
+use clearway_robot::Sphere;
+
+/// A convex part in place.
+#[derive(Clone, Debug)]
+pub struct PlacedPart {
+    pub root_from_part: Pose,
+    pub convex: Convex,
+    /// Of the part, about its frame's origin.
+    pub radius: f64,
+}
+
+impl PlacedPart {
+    pub fn new(root_from_part: Pose, convex: Convex) -> Self {
+        let radius = convex.bounding_radius();
+        Self { root_from_part, convex, radius }
+    }
+
+    /// Whether a ball comes closer than `margin`; may say yes for a hull when it does not.
+    #[inline]
+    pub fn near_ball(&self, centre: Vec3, radius: f64, margin: f64) -> bool {
+        let reach = radius + margin;
+        if let Convex::Hull(_) = self.convex {
+            let apart = centre.distance_squared(self.root_from_part.translation);
+            if apart > (reach + self.radius).powi(2) {
+                return false;
+            }
+        }
+        self.convex.point_distance(self.root_from_part.inverse_point(centre)) < reach
+    }
+
+    /// Whether another placed convex shape comes closer than `margin`.
+    #[inline]
+    pub fn near_convex(&self, convex: &Convex, root_from_convex: &Pose, margin: f64) -> bool {
+        closer_than(&self.convex, &self.root_from_part, convex, root_from_convex, margin)
+    }
+}
+
+/// A solid in place.
+#[derive(Clone, Debug)]
+pub struct Obstacle {
+    pub parts: Vec<PlacedPart>,
+    /// Round everything.
+    pub bound: Sphere,
+}
+
+impl Obstacle {
+    pub fn new(solid: &Solid, root_from_solid: &Pose) -> Self {
+        let parts: Vec<PlacedPart> =
+            solid.parts.iter().map(|(pose, convex)| PlacedPart::new(*root_from_solid * *pose, convex.clone())).collect();
+        let balls: Vec<Sphere> =
+            parts.iter().map(|p| Sphere { centre: p.root_from_part.translation, radius: p.radius }).collect();
+        Self { parts, bound: clearway_robot::bounding_sphere(&balls) }
+    }
+
+    /// A quick no: whether a ball may come closer than `margin` at all.
+    #[inline]
+    pub fn near_bound(&self, centre: Vec3, radius: f64, margin: f64) -> bool {
+        centre.distance_squared(self.bound.centre) < (self.bound.radius + radius + margin).powi(2)
+    }
+}

@@ -1,0 +1,57 @@
+//! Contacts by name, for messages: slow, thorough.
+
+use crate::moment::Moment;
+use crate::query::{link_near, links_near};
+use crate::world::World;
+use clearway_scene::Scene;
+use std::fmt;
+
+/// Two things that touch.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Contact {
+    Links(String, String),
+    Fixture { link: String, fixture: String },
+    Object { link: String, object: String },
+}
+
+impl fmt::Display for Contact {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Contact::Links(a, b) => write!(f, "link `{a}` touches link `{b}`"),
+            Contact::Fixture { link, fixture } => write!(f, "link `{link}` touches fixture `{fixture}`"),
+            Contact::Object { link, object } => write!(f, "link `{link}` touches object `{object}`"),
+        }
+    }
+}
+
+impl World {
+    /// Every contact of a posture, links with each other, fixtures and standing objects. `margin`
+    /// 0 means exact touching. The root link may meet what it is mounted on.
+    pub fn contacts(&self, scene: &Scene, posture: &[f64], moment: &Moment, margin: f64) -> Vec<Contact> {
+        let mut frames = Vec::new();
+        self.kinematics.frames(posture, moment.hand, &mut frames);
+        let mut contacts = Vec::new();
+        let name = |i: usize| self.robot.links[i].name.clone();
+        for &(a, b) in &self.pairs {
+            if let (Some(la), Some(lb)) = (&self.links[a], &self.links[b])
+                && links_near(la, &frames[a], lb, &frames[b], margin)
+            {
+                contacts.push(Contact::Links(name(a), name(b)));
+            }
+        }
+        for (index, (link, frame)) in self.links.iter().zip(&frames).enumerate() {
+            let Some(link) = link.as_ref().filter(|_| index != 0) else { continue };
+            for (fixture, obstacle) in scene.fixtures.iter().zip(&self.fixtures) {
+                if link_near(link, frame, obstacle, margin) {
+                    contacts.push(Contact::Fixture { link: name(index), fixture: fixture.id.clone() });
+                }
+            }
+            for id in moment.standing.iter() {
+                if link_near(link, frame, &self.objects[id.index()], margin) {
+                    contacts.push(Contact::Object { link: name(index), object: scene.names[id.index()].clone() });
+                }
+            }
+        }
+        contacts
+    }
+}

@@ -1,0 +1,162 @@
+//! The robot, the fixtures and the objects, made ready for collision checks.
+
+use crate::obstacle::Obstacle;
+use clearway_geometry::{Convex, Pose, Solid, Vec3};
+use clearway_plan::ObjectId;
+use clearway_robot::{Kinematics, Robot, Sphere, bounding_sphere, cover};
+use clearway_scene::Scene;
+use std::sync::Arc;
+
+/// A link's shapes, in its own frame.
+#[derive(Clone, Debug)]
+pub struct LinkBody {
+    pub parts: Vec<(Pose, Convex)>,
+    pub spheres: Vec<Sphere>,
+    pub bound: Sphere,
+    /// One of the hand's links, which may touch what they grip.
+    pub hand: bool,
+    /// Moved by no joint that is planned for.
+    pub still: bool,
+}
+
+/// Everything that stays the same over a planning session.
+#[derive(Clone, Debug)]
+pub struct World {
+    pub robot: Arc<Robot>,
+    pub kinematics: Kinematics,
+    pub world_from_root: Pose,
+    pub root_from_world: Pose,
+    /// By link index; `None` for links without shape.
+    pub links: Vec<Option<LinkBody>>,
+    pub fixtures: Vec<Obstacle>,
+    /// By object id, where the scene has them.
+    pub objects: Vec<Obstacle>,
+    pub solids: Vec<Arc<Solid>>,
+    /// `root_from_object`, where the scene has them.
+    pub poses: Vec<Pose>,
+    /// Pairs of links that are checked against each other.
+    pub pairs: Vec<(usize, usize)>,
+    /// Pairs that are not, by name, for the plan file.
+    pub unchecked: Vec<[String; 2]>,
+    /// An upper bound, per arm joint, of how far (metres) any point of the robot or of what it
+    /// holds moves when the joint moves by one.
+    pub reach: Vec<f64>,
+}
+
+/// Width of the cells that links are covered with, metres: hand finely, arm coarsely.
+const ARM_CELL: f64 = 0.08;
+const HAND_CELL: f64 = 0.03;
+/// How far what is held may stick out beyond the hand, for the bound on motion.
+const HELD_REACH: f64 = 0.25;
+
+impl World {
+    pub fn new(robot: Arc<Robot>, scene: &Scene) -> Self {
+        let kinematics = Kinematics::new(&robot);
+        let world_from_root = scene.base;
+        let root_from_world = world_from_root.inverse();
+        let links: Vec<Option<LinkBody>> = robot
+            .links
+            .iter()
+            .enumerate()
+            .map(|(index, link)| {
+                let hand = robot.hand.links.contains(&index);
+                let spheres = cover(&link.collision, if hand { HAND_CELL } else { ARM_CELL });
+                (!spheres.is_empty()).then(|| LinkBody {
+                    parts: link.collision.parts.clone(),
+                    bound: bounding_sphere(&spheres),
+                    spheres,
+                    hand,
+                    still: kinematics.moved_by[index] == 0 && !kinematics.moved_by_hand[index],
+                })
+            })
+            .collect();
+        let (pairs, unchecked) = crate::pairs::checked_pairs(&robot, &kinematics);
+        let reach = reach(&robot, &kinematics, &links);
+        let mut world = Self {
+            robot,
+            kinematics,
+            world_from_root,
+            root_from_world,
+            links,
+            fixtures: Vec::new(),
+            objects: Vec::new(),
+            solids: Vec::new(),
+            poses: Vec::new(),
+            pairs,
+            unchecked,
+            reach,
+        };
+        world.set_scene(scene);
+        world
+    }
+
+    /// Takes over fixtures and objects of a changed scene; robot and base stay.
+    pub fn set_scene(&mut self, scene: &Scene) {
+        let place = |solid: &Solid, pose: &Pose| Obstacle::new(solid, &(self.root_from_world * *pose));
+        self.fixtures = scene.fixtures.iter().map(|f| place(&f.solid, &f.pose)).collect();
+        self.objects = scene.objects.iter().map(|o| place(&o.solid, &o.pose)).collect();
+        self.solids = scene.objects.iter().map(|o| o.solid.clone()).collect();
+        self.poses = scene.objects.iter().map(|o| self.root_from_world * o.pose).collect();
+    }
+
+    /// An object placed somewhere else, `root_from_object`.
+    pub fn placed(&self, object: ObjectId, root_from_object: &Pose) -> Arc<Obstacle> {
+        Arc::new(Obstacle::new(&self.solids[object.index()], root_from_object))
+    }
+
+    /// The fixtures and standing objects that carry an object at rest at `root_from_object`: those
+    /// it touches there, but no longer when raised by a little.
+    pub fn below(&self, object: ObjectId, root_from_object: &Pose, margin: f64) -> (Vec<usize>, clearway_plan::ObjectSet) {
+        let raised = Pose::new(root_from_object.rotation, root_from_object.translation + self.up() * (2.0 * margin + 0.001));
+        let touches = |other: &Obstacle, pose: &Pose| {
+            self.solids[object.index()].parts.iter().any(|(part, convex)| {
+                other.parts.iter().any(|p| p.near_convex(convex, &(*pose * *part), margin))
+            })
+        };
+        let carries = |other: &Obstacle| touches(other, root_from_object) && !touches(other, &raised);
+        let fixtures = (0..self.fixtures.len()).filter(|&i| carries(&self.fixtures[i])).collect();
+        let objects = (0..self.objects.len())
+            .filter(|&i| i != object.index() && carries(&self.objects[i]))
+            .map(|i| ObjectId(i as u16))
+            .collect();
+        (fixtures, objects)
+    }
+
+    /// The world's up, in the root frame.
+    pub fn up(&self) -> Vec3 {
+        self.root_from_world.rotation * Vec3::Z
+    }
+}
+
+/// The chain's lengths, added up from each joint outwards, bound how far its points can be.
+fn reach(robot: &Robot, kinematics: &Kinematics, links: &[Option<LinkBody>]) -> Vec<f64> {
+    let n = kinematics.arm_joints;
+    let mut reach = vec![0.0f64; n];
+    for (j, &joint) in robot.arm.iter().enumerate() {
+        if robot.joints[joint].kind == clearway_robot::JointKind::Prismatic {
+            reach[j] = 1.0;
+            continue;
+        }
+        let child = robot.joints[joint].child;
+        for (index, body) in links.iter().enumerate() {
+            if kinematics.moved_by[index] >> j & 1 == 0 && index != robot.hand.frame {
+                continue;
+            }
+            let own = body.as_ref().map_or(0.0, |b| b.bound.centre.length() + b.bound.radius);
+            let held = if index == robot.hand.frame { HELD_REACH } else { 0.0 };
+            let mut length = own.max(held);
+            let mut at = index;
+            while at != child {
+                let Some(parent) = robot.links[at].parent_joint else { break };
+                let up = &robot.joints[parent];
+                length += up.parent_from_joint.translation.length();
+                if up.kind == clearway_robot::JointKind::Prismatic {
+                    length += up.lower.abs().max(up.upper.abs()).min(10.0);
+                }
+                at = up.parent;
+            }
+            reach[j] = reach[j].max(length);
+        }
+    }
+    reach
+}

@@ -1,0 +1,448 @@
+//! The whole motion for one object (section IV-D): to it, grip, out, to a free spot, let go, back.
+//!
+//! Three curves from rest to rest: transit and approach; transfer; retreat (and, for the last
+//! object, home). The hand is along one of the object's [`ways`](crate::ways) while among the
+//! clutter; between there and the tray the arm is free to move (RRT-Connect). Every row of the
+//! result has been checked again with what was there at that time.
+
+use crate::grasps::Grasp;
+use crate::place;
+use crate::ways::Way;
+use clearway_collision::{Held, Moment, Obstacle, World};
+use clearway_geometry::{Pose, Vec2, Vec3};
+use clearway_motion::{Limits, Path, Posture, RrtSettings, Space, Timed, connect, distance, shorten, smooth, time_curve};
+use clearway_plan::plan_file::{Action, Attached, GripperValue, PlacedPose, Segment, SegmentKind, Step};
+use clearway_plan::robot_file::HandKind;
+use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
+use clearway_robot::InverseKinematics;
+use clearway_scene::Scene;
+use rand::Rng;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// How motions are made.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    pub rrt: RrtSettings,
+    /// Random cuts tried per motion.
+    pub shortcuts: usize,
+    /// Room kept from everything while the arm moves freely, metres.
+    pub margin: f64,
+    /// Between checked postures no point moves farther, metres: while planning, and at the end.
+    pub step: f64,
+    pub final_step: f64,
+    /// Room that the finished rows keep, metres.
+    pub final_margin: f64,
+    /// Rows are at most this far apart, seconds.
+    pub row: f64,
+    /// How far above its spot an object is before it is lowered, metres.
+    pub lower_from: f64,
+    /// Spots for which a motion is tried before giving up.
+    pub spots: usize,
+    /// Seconds for the hand to close or open, at least.
+    pub grip_time: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            rrt: RrtSettings::default(),
+            shortcuts: 12,
+            margin: 0.002,
+            step: 0.01,
+            final_step: 0.005,
+            final_margin: 0.0004,
+            row: 0.016,
+            lower_from: 0.06,
+            spots: 4,
+            grip_time: 0.3,
+        }
+    }
+}
+
+/// What is the case before a step.
+#[derive(Clone, Debug)]
+pub struct Situation {
+    pub posture: Posture,
+    pub standing: ObjectSet,
+    pub placed: Vec<(ObjectId, Arc<Obstacle>)>,
+}
+
+/// A step carried out.
+#[derive(Clone, Debug)]
+pub struct Carried {
+    pub step: Step,
+    pub after: Situation,
+    /// What stood in the way of the way taken, before anything was removed.
+    pub way_blocked_by: ObjectSet,
+}
+
+/// Why a way could not be carried out.
+#[derive(Clone, Debug)]
+pub struct Obstruction {
+    pub what: &'static str,
+    /// Standing objects that the arm would have to pass through; empty when nothing is known.
+    pub blamed: ObjectSet,
+}
+
+/// Everything a motion is planned with.
+pub struct Carrier<'a, R: Rng> {
+    pub world: &'a World,
+    pub scene: &'a Scene,
+    pub inverse: &'a InverseKinematics,
+    pub settings: &'a Settings,
+    pub random: &'a mut R,
+    pub budget: &'a Budget,
+}
+
+type Attempt<T> = Result<Result<T, Obstruction>, Stop>;
+
+/// `?` for an attempt: passes an obstruction on as a value.
+macro_rules! attempt {
+    ($e:expr) => {
+        match $e? {
+            Ok(value) => value,
+            Err(obstruction) => return Ok(Err(obstruction)),
+        }
+    };
+}
+
+/// Where an object goes, and how the hand gets there and away.
+struct Placement {
+    /// root_from_object
+    pose: Pose,
+    /// From above the spot down to it.
+    lower: Path,
+    /// From the spot back, the hand open.
+    back: Path,
+    held: Held,
+    /// Free motion from the end of the way to above the spot.
+    transfer: Path,
+}
+
+impl<R: Rng> Carrier<'_, R> {
+    /// Takes an object along a way, puts it down, and comes back; home as well after the last.
+    pub fn take(&mut self, object: ObjectId, grasp: &Grasp, way: &Way, before: &Situation, last: bool) -> Attempt<Carried> {
+        let world = self.world;
+        let Some(entry) = way.postures.last().cloned() else {
+            return obstructed("the way is empty", ObjectSet::EMPTY);
+        };
+        let open = world.robot.hand.open();
+        let mut free = Moment::new(before.standing, open, self.settings.margin);
+        free.placed = before.placed.clone();
+
+        // To the object: free to the way's outer end, then along it.
+        let mut there = attempt!(self.free_motion(&free, &before.posture, std::slice::from_ref(&entry), "the motion to where the hand goes in"));
+        there.extend(way.postures.iter().rev().skip(1).cloned());
+        let mut approach = free.clone();
+        approach.gripping = Some(object);
+        approach.margin = self.settings.final_margin;
+        let there = attempt!(self.timed(&approach, &there, None, "the approach"));
+
+        // Out with it and to a spot.
+        let mut carrying = Moment::new(before.standing.difference(ObjectSet::of(object)), grasp.closed, self.settings.margin);
+        carrying.placed = before.placed.clone();
+        let placement = attempt!(self.place(object, grasp, &entry, &carrying));
+        let root_from_object = world.poses[object.index()];
+        let (fixtures, objects) = world.below(object, &root_from_object, 0.002);
+        let mut held = placement.held.clone();
+        held.fixtures_below.extend(fixtures);
+        held.objects_below = held.objects_below.union(objects);
+        carrying.held = Some(held);
+        carrying.margin = self.settings.final_margin;
+        let mut across = way.postures.clone();
+        across.extend(placement.transfer.iter().skip(1).cloned());
+        across.extend(placement.lower.iter().skip(1).cloned());
+        let across = attempt!(self.timed(&carrying, &across, Some(self.settings.lower_from), "the transfer"));
+
+        // Back, and home.
+        let mut after = before.clone();
+        after.standing.remove(object);
+        after.placed.push((object, world.placed(object, &placement.pose)));
+        let mut leaving = Moment::new(after.standing, open, self.settings.final_margin);
+        leaving.placed = after.placed.clone();
+        leaving.gripping = Some(object);
+        let mut back = placement.back;
+        let retreat_end = back.last().cloned().unwrap_or_else(|| across_end(&across));
+        if last {
+            let mut home = leaving.clone();
+            home.gripping = None;
+            home.margin = self.settings.margin;
+            let rest = attempt!(self.free_motion(&home, &retreat_end, std::slice::from_ref(&world.robot.home), "the motion home"));
+            back.extend(rest.into_iter().skip(1));
+        }
+        let back = attempt!(self.timed(&leaving, &back, None, "the retreat"));
+        after.posture = back.positions.last().cloned().unwrap_or(retreat_end);
+
+        let step = self.step(object, grasp, &placement.pose, there, across, back);
+        Ok(Ok(Carried { step, after, way_blocked_by: way.blocked_by }))
+    }
+
+    /// A free motion, shortened. When none is found, a motion that may pass through objects tells
+    /// which of them stand in the way.
+    fn free_motion(&mut self, moment: &Moment, start: &Posture, goals: &[Posture], what: &'static str) -> Attempt<Path> {
+        let mut space = Space::new(self.world, moment, self.settings.step);
+        // Ends may be nearer to things than free motion likes to be; then it has to do with less.
+        let mut near = moment.clone();
+        if !space.free(start) || !goals.iter().any(|g| space.free(g)) {
+            near.margin = self.settings.final_margin;
+            space = Space::new(self.world, &near, self.settings.step);
+        }
+        if let Some(path) = connect(&mut space, start, goals, &self.settings.rrt, self.random, self.budget)? {
+            let path = shorten(&mut space, path, self.settings.shortcuts, self.random, self.budget)?;
+            return Ok(Ok(path));
+        }
+        let mut relaxed = near.clone();
+        relaxed.standing = ObjectSet::EMPTY;
+        let mut space = Space::new(self.world, &relaxed, self.settings.step);
+        let Some(path) = connect(&mut space, start, goals, &self.settings.rrt, self.random, self.budget)? else {
+            return obstructed(what, ObjectSet::EMPTY);
+        };
+        let path = shorten(&mut space, path, self.settings.shortcuts, self.random, self.budget)?;
+        let blamed = Space::new(self.world, &near, self.settings.step).path_touched(&path).unwrap_or_default();
+        obstructed(what, blamed)
+    }
+
+    /// Smooths and times a path, and checks every row. `resting_within`: near the path's ends, by
+    /// this much of the tool's way, what is held may rest on what carries it.
+    fn timed(&mut self, moment: &Moment, path: &Path, resting_within: Option<f64>, what: &'static str) -> Attempt<Timed> {
+        let limits = Limits { velocity: self.world.robot.velocity.clone(), acceleration: self.world.robot.acceleration.clone() };
+        let mut lenient = moment.clone();
+        lenient.resting = resting_within.is_some();
+        let curve = smooth(&mut Space::new(self.world, &lenient, self.settings.step), path);
+        let timed = time_curve(&curve, &limits, self.settings.row);
+        if timed.positions.len() < 2 {
+            return obstructed(what, ObjectSet::EMPTY);
+        }
+        self.budget.check()?;
+        let tool = |q: &Posture| self.world.kinematics.tool(q, moment.hand).translation;
+        let (first, last) = (tool(&timed.positions[0]), tool(&timed.positions[timed.positions.len() - 1]));
+        let mut strict = Space::new(self.world, moment, self.settings.final_step);
+        let mut resting = Space::new(self.world, &lenient, self.settings.final_step);
+        for pair in timed.positions.windows(2) {
+            let space = match resting_within {
+                Some(reach) => {
+                    let at = tool(&pair[0]);
+                    let low = (at - first).dot(self.world.up()).abs() < 0.012 && at.distance(first) < reach
+                        || (at - last).dot(self.world.up()).abs() < 0.012 && at.distance(last) < reach;
+                    if low { &mut resting } else { &mut strict }
+                }
+                None => &mut strict,
+            };
+            if !space.line_free(&pair[0], &pair[1]) {
+                let blamed = space.path_touched(pair).unwrap_or_default();
+                return obstructed(what, blamed);
+            }
+        }
+        Ok(Ok(timed))
+    }
+
+    /// Finds a spot that the hand can reach with the object and leave without it.
+    fn place(&mut self, object: ObjectId, grasp: &Grasp, entry: &Posture, carrying: &Moment) -> Attempt<Placement> {
+        let world = self.world;
+        let scene_pose = world.world_from_root * world.poses[object.index()];
+        let base = world.world_from_root.translation.truncate();
+        let forward = (scene_pose * grasp.object_from_tool).rotation.z_axis.truncate();
+        let mut tries = 0;
+        let mut blamed = ObjectSet::EMPTY;
+        for spot in place::spots(&self.scene.places, base) {
+            self.budget.check()?;
+            for yaw in yaws(forward, spot.at.truncate() - base) {
+                let place = &self.scene.places[spot.place];
+                let Some(world_from_object) =
+                    place::standing_at(&world.solids[object.index()], &scene_pose, yaw, &spot, place)
+                else {
+                    continue;
+                };
+                let pose = world.root_from_world * world_from_object;
+                let Some(placement) = self.put_down(object, grasp, entry, carrying, pose) else { continue };
+                let mut moment = carrying.clone();
+                moment.held = Some(placement.held.clone());
+                tries += 1;
+                let above = placement.lower[0].clone();
+                match self.free_motion(&moment, entry, std::slice::from_ref(&above), "the motion to the place with the object in hand")? {
+                    Ok(transfer) => return Ok(Ok(Placement { transfer, ..placement })),
+                    Err(obstruction) => blamed = blamed.union(obstruction.blamed),
+                }
+                if tries >= self.settings.spots {
+                    return obstructed("the motion to the place with the object in hand", blamed);
+                }
+                break;
+            }
+        }
+        if tries > 0 {
+            return obstructed("the motion to the place with the object in hand", blamed);
+        }
+        obstructed("no spot is left on the places that the hand can reach with the object", ObjectSet::EMPTY)
+    }
+
+    /// Whether the object can be lowered onto a spot and let go of there.
+    fn put_down(&mut self, object: ObjectId, grasp: &Grasp, entry: &Posture, carrying: &Moment, pose: Pose) -> Option<Placement> {
+        const LOWER_STEP: f64 = 0.02;
+        const BACK_STEP: f64 = 0.025;
+        let world = self.world;
+        let placed = world.placed(object, &pose);
+        let overlaps = |other: &Obstacle| {
+            other.near_bound(placed.bound.centre, placed.bound.radius, 0.0)
+                && placed.parts.iter().any(|p| other.parts.iter().any(|o| o.near_convex(&p.convex, &p.root_from_part, self.settings.margin)))
+        };
+        if carrying.placed.iter().any(|(_, o)| overlaps(o)) || carrying.standing.iter().any(|id| overlaps(&world.objects[id.index()])) {
+            return None;
+        }
+        let at = pose * grasp.object_from_tool;
+        let mut branches = self.inverse.solve(&at, entry);
+        branches.sort_by(|a, b| distance(a, entry).total_cmp(&distance(b, entry)));
+        if branches.is_empty() {
+            return None;
+        }
+        let (fixtures_below, objects_below) = world.below(object, &pose, 0.002);
+        let held = Held {
+            object,
+            solid: world.solids[object.index()].clone(),
+            tool_from_object: grasp.object_from_tool.inverse(),
+            fixtures_below,
+            objects_below,
+        };
+        let mut resting = carrying.clone();
+        resting.held = Some(held.clone());
+        resting.resting = true;
+        let mut lowering = resting.clone();
+        lowering.resting = false;
+        let mut leaving = Moment::new(carrying.standing, world.robot.hand.open(), self.settings.margin);
+        leaving.placed = carrying.placed.clone();
+        leaving.placed.push((object, placed));
+        leaving.gripping = Some(object);
+        let standoff = world.robot.grasps.standoff;
+        'branch: for down in branches {
+            if !Space::new(world, &resting, self.settings.step).free(&down) {
+                continue;
+            }
+            let mut lower = vec![down.clone()];
+            let mut height = 0.0;
+            while height < self.settings.lower_from - 1e-9 {
+                height += LOWER_STEP;
+                let target = Pose::new(at.rotation, at.translation + world.up() * height);
+                let Some(q) = self.inverse.follow(&target, &lower[lower.len() - 1], 0.5) else { continue 'branch };
+                if !Space::new(world, &lowering, self.settings.step).free(&q) {
+                    continue 'branch;
+                }
+                lower.push(q);
+            }
+            lower.reverse();
+            let mut back = vec![down];
+            let mut out = 0.0;
+            let mut space = Space::new(world, &leaving, self.settings.step);
+            while out < standoff - 1e-9 {
+                out += BACK_STEP;
+                let target = Pose::new(at.rotation, at.translation - at.rotation.z_axis * out);
+                let Some(q) = self.inverse.follow(&target, &back[back.len() - 1], 0.5) else { continue 'branch };
+                if !space.free(&q) {
+                    continue 'branch;
+                }
+                back.push(q);
+            }
+            return Some(Placement { pose, lower, back, held, transfer: Path::new() });
+        }
+        None
+    }
+
+    fn step(&self, object: ObjectId, grasp: &Grasp, placed: &Pose, there: Timed, across: Timed, back: Timed) -> Step {
+        let robot = &self.world.robot;
+        let standoff = robot.grasps.standoff;
+        let (open, closed) = (robot.hand.open(), grasp.closed);
+        let held = |value: f64| -> BTreeMap<String, GripperValue> { self.gripper(GripperValue::Held(value)) };
+        let attached = Attached {
+            object: self.scene.names[object.index()].clone(),
+            tool: robot.links[robot.hand.frame].name.clone(),
+            pose_in_tool: written(&grasp.object_from_tool.inverse()),
+        };
+        let gripped = there.positions.last().cloned().unwrap_or_default();
+        let let_go = across.positions.last().cloned().unwrap_or_default();
+        let tool = |q: &Posture| self.world.kinematics.tool(q, open).translation;
+        let mut segments = Vec::new();
+        let begins = there.positions.iter().rposition(|q| tool(q).distance(tool(&gripped)) > standoff);
+        let (transit, approach) = split(there, begins);
+        segments.extend(transit.map(|t| segment(SegmentKind::Transit, t, held(open), None)));
+        segments.extend(approach.map(|t| segment(SegmentKind::Approach, t, held(open), None)));
+        segments.push(self.grip(SegmentKind::Grasp, &gripped, open, closed));
+        segments.push(segment(SegmentKind::Transfer, across, held(closed), Some(attached)));
+        segments.push(self.grip(SegmentKind::Release, &let_go, closed, open));
+        let ends = back.positions.iter().position(|q| tool(q).distance(tool(&let_go)) >= standoff - 1e-6);
+        let (retreat, home) = split(back, ends);
+        segments.extend(retreat.map(|t| segment(SegmentKind::Retreat, t, held(open), None)));
+        segments.extend(home.map(|t| segment(SegmentKind::Transit, t, held(open), None)));
+        Step {
+            object: self.scene.names[object.index()].clone(),
+            action: Action::PickPlace,
+            segments,
+            placed: written(&(self.world.world_from_root * *placed)),
+        }
+    }
+
+    /// The arm stands still while the hand's joint goes from one value to another.
+    fn grip(&self, kind: SegmentKind, posture: &Posture, from: f64, to: f64) -> Segment {
+        let robot = &self.world.robot;
+        let speed = robot.hand.joint.map_or(f64::INFINITY, |j| robot.joints[j].velocity);
+        // A cosine ramp is at its fastest π/2 times its mean.
+        let needed = (to - from).abs() / speed * std::f64::consts::FRAC_PI_2 * 1.05;
+        let total = needed.max(self.settings.grip_time);
+        let count = (total / self.settings.row).ceil() as usize;
+        let times: Vec<f64> = (0..=count).map(|i| total * i as f64 / count as f64).collect();
+        let ramp = |t: f64| (1.0 - (std::f64::consts::PI * t / total).cos()) / 2.0;
+        let mut values: Vec<f64> = times.iter().map(|&t| from + (to - from) * ramp(t)).collect();
+        values[0] = from;
+        values[count] = to;
+        let positions = vec![posture.clone(); times.len()];
+        segment(kind, Timed { times, positions }, self.gripper(GripperValue::Rows(values)), None)
+    }
+
+    fn gripper(&self, value: GripperValue) -> BTreeMap<String, GripperValue> {
+        let robot = &self.world.robot;
+        match (&robot.hand.kind, robot.hand.joint) {
+            (HandKind::Parallel, Some(joint)) => BTreeMap::from([(robot.joints[joint].name.clone(), value)]),
+            _ => BTreeMap::new(),
+        }
+    }
+}
+
+fn obstructed<T>(what: &'static str, blamed: ObjectSet) -> Attempt<T> {
+    Ok(Err(Obstruction { what, blamed }))
+}
+
+fn across_end(timed: &Timed) -> Posture {
+    timed.positions.last().cloned().unwrap_or_default()
+}
+
+/// How far the object is turned about the vertical when put down, so that the hand points away
+/// from the robot there, or nearly.
+fn yaws(forward: Vec2, outward: Vec2) -> impl Iterator<Item = f64> {
+    let straight = if forward.length() > 0.1 { forward.angle_to(outward) } else { 0.0 };
+    [0.0, 20.0, -20.0, 40.0, -40.0, 65.0, -65.0, 90.0, -90.0, 130.0, -130.0, 180.0f64].into_iter().map(move |d| straight + d.to_radians())
+}
+
+fn segment(kind: SegmentKind, timed: Timed, gripper: BTreeMap<String, GripperValue>, attached: Option<Attached>) -> Segment {
+    Segment { kind, times: timed.times, positions: timed.positions, gripper, attached }
+}
+
+/// Parts a motion at a row, which both halves have; a half without motion is `None`.
+fn split(timed: Timed, at: Option<usize>) -> (Option<Timed>, Option<Timed>) {
+    let Some(at) = at else { return (None, Some(timed)) };
+    if at + 1 >= timed.positions.len() {
+        return (Some(timed), None);
+    }
+    let offset = timed.times[at];
+    let late = Timed {
+        times: timed.times[at..].iter().map(|t| t - offset).collect(),
+        positions: timed.positions[at..].to_vec(),
+    };
+    if at == 0 {
+        return (None, Some(late));
+    }
+    let early = Timed { times: timed.times[..=at].to_vec(), positions: timed.positions[..=at].to_vec() };
+    (Some(early), Some(late))
+}
+
+fn written(pose: &Pose) -> PlacedPose {
+    let p: Vec3 = pose.translation;
+    PlacedPose { position: p.to_array(), quaternion: pose.quaternion() }
+}

@@ -1,0 +1,186 @@
+//! Preset grasps round an object (section IV-D), as poses of the tool in the object's frame.
+//!
+//! `side`: the hand comes level from evenly spread directions, at fractions of the object's
+//! height. `list`: poses from the robot file. A parallel hand is closed until its fingers touch;
+//! a suction cup is set on the surface.
+
+use clearway_collision::World;
+use clearway_geometry::distance::closer_than;
+use clearway_geometry::{Mat3, Pose, Solid, Vec3};
+use clearway_plan::ObjectId;
+use clearway_plan::robot_file::{GraspKind, HandKind};
+use std::f64::consts::TAU;
+
+/// One way to hold an object.
+#[derive(Clone, Debug)]
+pub struct Grasp {
+    pub object_from_tool: Pose,
+    /// The hand's joint value when it holds; 0 for a cup.
+    pub closed: f64,
+}
+
+/// How far in front of the object's front the tool stays when the object is too deep to be held
+/// round its middle, metres: the pads then cover this much of it.
+const PAD: f64 = 0.02;
+/// Fingers are as good as touching at this distance, metres.
+const TOUCH: f64 = 0.0005;
+
+/// The grasps declared for an object, and how many were dropped because it is too wide.
+pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
+    let robot = &world.robot;
+    let solid = &world.solids[object.index()];
+    let world_from_object = world.world_from_root * world.poses[object.index()];
+    let mut poses: Vec<Pose> = Vec::new();
+    if robot.grasps.kind == GraspKind::List || !robot.grasps.list.is_empty() {
+        poses.extend(robot.grasps.list.iter().map(|keys| keys.pose()));
+    } else {
+        for &height in &robot.grasps.heights {
+            for yaw in 0..robot.grasps.yaws {
+                let angle = TAU * yaw as f64 / robot.grasps.yaws as f64;
+                poses.extend(side(solid, &world_from_object, angle, height, &robot.hand.kind));
+            }
+        }
+    }
+    let mut fingers = Fingers::new(world);
+    let mut dropped = 0;
+    let mut grasps = Vec::new();
+    for object_from_tool in poses {
+        match robot.hand.kind {
+            HandKind::Suction { .. } => grasps.push(Grasp { object_from_tool, closed: 0.0 }),
+            HandKind::Parallel => match fingers.close(solid, &object_from_tool) {
+                Some(closed) => grasps.push(Grasp { object_from_tool, closed }),
+                None => dropped += 1,
+            },
+        }
+    }
+    (grasps, dropped)
+}
+
+/// A level grasp from direction `angle` (the hand points that way, world yaw) at a fraction of the
+/// height: round the middle, and for deep objects also with the finger tips only.
+fn side(solid: &Solid, world_from_object: &Pose, angle: f64, height: f64, kind: &HandKind) -> Vec<Pose> {
+    let forward = Vec3::new(angle.cos(), angle.sin(), 0.0);
+    let across = Vec3::new(-angle.sin(), angle.cos(), 0.0);
+    // x closes, z points at the object, y = z × x is up.
+    let rotation = Mat3::from_cols(across, Vec3::Z, forward);
+    let extent = |d: Vec3| world_from_object.point(solid.support(world_from_object.rotation.transpose() * d)).dot(d);
+    let (left, right) = (extent(across), -extent(-across));
+    let (back, front) = (extent(forward), -extent(-forward));
+    let (top, bottom) = (extent(Vec3::Z), -extent(-Vec3::Z));
+    let z = bottom + height * (top - bottom);
+    let at = |depth: f64| across * ((left + right) / 2.0) + forward * depth + Vec3::Z * z;
+    let object_from_world = world_from_object.inverse();
+    let grasp = |depth: f64| object_from_world * Pose::new(rotation, at(depth));
+    match kind {
+        HandKind::Suction { .. } => {
+            let start = at(front - 0.01);
+            surface_along(solid, &object_from_world, start, forward, back - front + 0.02)
+                .map(|p| object_from_world * Pose::new(rotation, p))
+                .into_iter()
+                .collect()
+        }
+        HandKind::Parallel if back - front > 2.0 * PAD + 0.05 => vec![grasp((back + front) / 2.0), grasp(front + PAD)],
+        HandKind::Parallel => vec![grasp((back + front) / 2.0)],
+    }
+}
+
+/// Where a ray from outside first meets the solid, world coordinates.
+fn surface_along(solid: &Solid, object_from_world: &Pose, start: Vec3, direction: Vec3, reach: f64) -> Option<Vec3> {
+    let mut along = 0.0;
+    while along < reach {
+        let p = object_from_world.point(start + direction * along);
+        let gap = solid
+            .parts
+            .iter()
+            .map(|(pose, convex)| convex.point_distance(pose.inverse_point(p)))
+            .fold(f64::INFINITY, f64::min);
+        if gap < 1e-6 {
+            return Some(start + direction * along);
+        }
+        along += gap;
+    }
+    None
+}
+
+/// Closes a parallel hand.
+struct Fingers<'a> {
+    world: &'a World,
+    /// Joint values from open to closed, and the hand's links seen from the tool at each.
+    stages: Vec<(f64, Vec<(usize, Pose)>)>,
+    /// The last answer and the widest the solid was then: round objects ask the same many times.
+    last: Option<(f64, f64, f64)>,
+}
+
+impl<'a> Fingers<'a> {
+    fn new(world: &'a World) -> Self {
+        const STAGES: usize = 96;
+        let hand = &world.robot.hand;
+        let mut frames = Vec::new();
+        let stages = (0..=STAGES)
+            .map(|i| {
+                let gap = hand.widest() * (1.0 - i as f64 / STAGES as f64);
+                let value = hand.joint_at(gap);
+                world.kinematics.frames(&world.robot.home, value, &mut frames);
+                let back = frames[world.kinematics.tool].inverse();
+                (value, hand.links.iter().map(|&l| (l, back * frames[l])).collect())
+            })
+            .collect();
+        Self { world, stages, last: None }
+    }
+
+    /// The joint value at which the fingers touch; `None` when the open hand does not go round the
+    /// solid or the closed one does not reach it.
+    fn close(&mut self, solid: &Solid, object_from_tool: &Pose) -> Option<f64> {
+        let tool_from_object = object_from_tool.inverse();
+        let width = {
+            let across = object_from_tool.rotation.x_axis;
+            solid.support(across).dot(across) + solid.support(-across).dot(-across)
+        };
+        let level = object_from_tool.translation.z;
+        if let Some((w, l, value)) = self.last
+            && (w - width).abs() < 1e-9
+            && (l - level).abs() < 1e-9
+            && !self.near(solid, &tool_from_object, 0, 0.0)
+        {
+            return Some(value);
+        }
+        if self.near(solid, &tool_from_object, 0, 0.0) {
+            return None;
+        }
+        // Nearness only grows as the hand closes: bisect for the first stage that touches.
+        let (mut apart, mut touching) = (0, self.stages.len() - 1);
+        if !self.near(solid, &tool_from_object, touching, TOUCH) {
+            return None;
+        }
+        while touching - apart > 1 {
+            let middle = (apart + touching) / 2;
+            if self.near(solid, &tool_from_object, middle, TOUCH) { touching = middle } else { apart = middle }
+        }
+        let value = self.stages[apart].0;
+        // Between the two stages, to where it just touches.
+        let (mut open, mut shut) = (value, self.stages[touching].0);
+        let mut frames = Vec::new();
+        for _ in 0..12 {
+            let middle = (open + shut) / 2.0;
+            self.world.kinematics.frames(&self.world.robot.home, middle, &mut frames);
+            let back = frames[self.world.kinematics.tool].inverse();
+            let links: Vec<(usize, Pose)> = self.world.robot.hand.links.iter().map(|&l| (l, back * frames[l])).collect();
+            if near(self.world, &links, solid, &tool_from_object, 2e-5) { shut = middle } else { open = middle }
+        }
+        self.last = Some((width, level, open));
+        Some(open)
+    }
+
+    fn near(&self, solid: &Solid, tool_from_object: &Pose, stage: usize, margin: f64) -> bool {
+        near(self.world, &self.stages[stage].1, solid, tool_from_object, margin)
+    }
+}
+
+fn near(world: &World, links: &[(usize, Pose)], solid: &Solid, tool_from_object: &Pose, margin: f64) -> bool {
+    links.iter().any(|(link, tool_from_link)| {
+        world.robot.links[*link].collision.parts.iter().any(|(part, convex)| {
+            let pose = *tool_from_link * *part;
+            solid.parts.iter().any(|(p, c)| closer_than(convex, &pose, c, &(*tool_from_object * *p), margin))
+        })
+    })
+}

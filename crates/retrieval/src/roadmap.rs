@@ -1,0 +1,230 @@
+//! The roadmap M(X, E) of the target with the gripper (section IV-B, Algorithm 2).
+//!
+//! Nodes may collide with objects, at most as many as the sampling limit *K* allows; *K* rises
+//! within each expansion so that open space is sampled before crowded space.
+
+use crate::floor::Floor;
+use crate::graph::Cluster;
+use clearway_geometry::Vec2;
+use clearway_plan::{Budget, ObjectSet, Stop};
+use rand::{Rng, RngExt};
+use std::collections::HashMap;
+
+/// How the roadmap grows. The paper's letters are in parentheses.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Samples per expansion (*T*).
+    pub samples: usize,
+    /// Samples between raises of the sampling limit (*T_raise*).
+    pub raise_every: usize,
+    /// Longest edge (*δ*), metres.
+    pub longest_edge: f64,
+    /// Nodes that a new node is connected with (*k*).
+    pub neighbours: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { samples: 300, raise_every: 30, longest_edge: 0.12, neighbours: 8 }
+    }
+}
+
+impl Settings {
+    /// What section VI-A states: T = 1000, T_raise = 100.
+    pub fn paper() -> Self {
+        Self { samples: 1000, raise_every: 100, ..Self::default() }
+    }
+
+    pub fn validate(&self) -> Result<(), String> {
+        if self.samples == 0 || self.raise_every == 0 || self.neighbours == 0 {
+            return Err("samples, raise_every and neighbours must be at least 1".to_owned());
+        }
+        if !(self.longest_edge > 0.0) {
+            return Err(format!("longest_edge is {}, must be positive", self.longest_edge));
+        }
+        Ok(())
+    }
+}
+
+/// A node x with Col(x).
+#[derive(Clone, Copy, Debug)]
+pub struct Node {
+    pub at: Vec2,
+    pub collisions: ObjectSet,
+}
+
+/// M(X, E); node 0 is x_s, node 1 is x_g.
+#[derive(Clone, Debug)]
+pub struct Roadmap {
+    pub nodes: Vec<Node>,
+    pub edges: Vec<(usize, usize)>,
+    /// Samples drawn so far.
+    pub samples: usize,
+}
+
+impl Roadmap {
+    pub fn new(floor: &Floor) -> Self {
+        let node = |at: Vec2| Node { at, collisions: floor.collisions(at) };
+        Self { nodes: vec![node(floor.exit), node(floor.goal)], edges: Vec::new(), samples: 0 }
+    }
+
+    /// Algorithm 2: grows the roadmap under the exploration limit *L*.
+    pub fn expand(&mut self, floor: &Floor, limit: usize, settings: &Settings, random: &mut impl Rng, budget: &Budget) -> Result<(), Stop> {
+        let most = limit.saturating_sub(1);
+        let raises = (settings.samples / settings.raise_every).max(1);
+        let mut sampling_limit = 0.0f64;
+        for step in 1..=settings.samples {
+            if step % 64 == 0 {
+                budget.check()?;
+            }
+            self.samples += 1;
+            let k = sampling_limit.floor() as usize;
+            self.extend(floor, k.min(most), settings, random);
+            if step % settings.raise_every == 0 {
+                // Hauser's rule: each raise moves the limit by (most − now) / (raises left).
+                let left = (raises - step / settings.raise_every).max(1);
+                sampling_limit += (most as f64 - sampling_limit) / left as f64;
+            }
+        }
+        Ok(())
+    }
+
+    fn extend(&mut self, floor: &Floor, sampling_limit: usize, settings: &Settings, random: &mut impl Rng) {
+        let area = &floor.workspace;
+        let draw = |low: f64, high: f64, t: f64| low + (high - low) * t;
+        let sample = Vec2::new(
+            draw(area.min[0], area.max[0], random.random()),
+            draw(area.min[1], area.max[1], random.random()),
+        );
+        let nearest = self
+            .nodes
+            .iter()
+            .filter(|n| n.collisions.len() <= sampling_limit)
+            .min_by(|a, b| a.at.distance_squared(sample).total_cmp(&b.at.distance_squared(sample)));
+        let Some(nearest) = nearest.copied() else { return };
+        let way = sample - nearest.at;
+        let mut step = way.length().min(settings.longest_edge);
+        if step < 1e-9 {
+            return;
+        }
+        let along = way / way.length();
+        // Bisection back towards the nearest node until the limit is met.
+        let mut at = nearest.at + along * step;
+        let acceptable = |at: Vec2| {
+            floor.walls_free(nearest.at, at) && floor.edge_collisions(nearest.at, at).len() <= sampling_limit
+        };
+        while !acceptable(at) {
+            step /= 2.0;
+            if step < 0.005 {
+                return;
+            }
+            at = nearest.at + along * step;
+        }
+        let new = Node { at, collisions: floor.collisions(at) };
+        let index = self.nodes.len();
+        let mut near: Vec<(f64, usize)> = self
+            .nodes
+            .iter()
+            .enumerate()
+            .map(|(i, n)| (n.at.distance_squared(at), i))
+            .filter(|(d, _)| *d < settings.longest_edge * settings.longest_edge)
+            .collect();
+        near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        near.truncate(settings.neighbours);
+        self.nodes.push(new);
+        for (_, i) in near {
+            let other = self.nodes[i];
+            let both = new.collisions.union(other.collisions);
+            if floor.edge_collisions(at, other.at).len() == both.len() && floor.walls_free(at, other.at) {
+                self.edges.push((i, index));
+            }
+        }
+    }
+
+    /// Clusters connected nodes of equal Col (section IV-C1); x_s and x_g stay alone. Returns the
+    /// clusters, their edges, and the nodes n_s and n_g.
+    pub fn clusters(&self) -> (Vec<Cluster>, Vec<(usize, usize)>) {
+        let mut parent: Vec<usize> = (0..self.nodes.len()).collect();
+        fn root(parent: &mut [usize], mut i: usize) -> usize {
+            while parent[i] != i {
+                parent[i] = parent[parent[i]];
+                i = parent[i];
+            }
+            i
+        }
+        for &(a, b) in &self.edges {
+            if a > 1 && b > 1 && self.nodes[a].collisions == self.nodes[b].collisions {
+                let (x, y) = (root(&mut parent, a), root(&mut parent, b));
+                parent[x.max(y)] = x.min(y);
+            }
+        }
+        let mut cluster_of: HashMap<usize, usize> = HashMap::new();
+        let mut clusters: Vec<Cluster> = Vec::new();
+        let member: Vec<usize> = (0..self.nodes.len())
+            .map(|i| {
+                let r = root(&mut parent, i);
+                let c = *cluster_of.entry(r).or_insert_with(|| {
+                    clusters.push(Cluster { collisions: self.nodes[r].collisions, roadmap_nodes: Vec::new() });
+                    clusters.len() - 1
+                });
+                clusters[c].roadmap_nodes.push(i);
+                c
+            })
+            .collect();
+        let mut edges: Vec<(usize, usize)> = self
+            .edges
+            .iter()
+            .map(|&(a, b)| (member[a].min(member[b]), member[a].max(member[b])))
+            .filter(|(a, b)| a != b)
+            .collect();
+        edges.sort_unstable();
+        edges.dedup();
+        (clusters, edges)
+    }
+
+    /// The shortest way from x_g to x_s through nodes that collide with nothing but `removed`, as
+    /// node indices from x_s to x_g.
+    pub fn path(&self, removed: &ObjectSet) -> Option<Vec<usize>> {
+        let clear = |i: usize| self.nodes[i].collisions.is_subset(removed);
+        let mut near: Vec<Vec<usize>> = vec![Vec::new(); self.nodes.len()];
+        for &(a, b) in &self.edges {
+            if clear(a) && clear(b) {
+                near[a].push(b);
+                near[b].push(a);
+            }
+        }
+        let mut best = vec![f64::INFINITY; self.nodes.len()];
+        let mut from = vec![usize::MAX; self.nodes.len()];
+        let mut queue = std::collections::BinaryHeap::new();
+        best[1] = 0.0;
+        queue.push((std::cmp::Reverse(0u64), 1usize));
+        while let Some((std::cmp::Reverse(d), i)) = queue.pop() {
+            if i == 0 {
+                let mut path = vec![0];
+                let mut at = 0;
+                while at != 1 {
+                    at = from[at];
+                    path.push(at);
+                }
+                return Some(path);
+            }
+            if d > nanometres(best[i]) {
+                continue;
+            }
+            for &j in &near[i] {
+                let next = best[i] + self.nodes[i].at.distance(self.nodes[j].at);
+                if next < best[j] {
+                    best[j] = next;
+                    from[j] = i;
+                    queue.push((std::cmp::Reverse(nanometres(next)), j));
+                }
+            }
+        }
+        None
+    }
+}
+
+/// Lengths as whole numbers, so that they can be ordered.
+fn nanometres(length: f64) -> u64 {
+    (length * 1e9) as u64
+}

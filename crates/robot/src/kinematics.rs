@@ -1,0 +1,169 @@
+//! Forward kinematics: where every link is, for a posture of the arm and an opening of the hand.
+//!
+//! Frames are given in the URDF's root link. The tree is flattened once; a call costs one
+//! rotation and one product of transforms per moving link, and allocates nothing.
+
+use crate::description::{JointKind, Robot};
+use clearway_geometry::{Mat3, Pose, Vec3};
+
+/// What moves a joint: `value = multiplier · variable + offset`. Variables are the arm's joints
+/// in order, then the hand's.
+#[derive(Clone, Copy, Debug)]
+struct Source {
+    variable: usize,
+    multiplier: f64,
+    offset: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Motion {
+    Still,
+    Turn { axis: Vec3, source: Source },
+    Slide { axis: Vec3, source: Source },
+}
+
+#[derive(Clone, Debug)]
+struct LinkStep {
+    parent: usize,
+    /// Fixed part; joints held at a value are folded into it.
+    parent_from_joint: Pose,
+    motion: Motion,
+}
+
+/// A robot's tree, flattened for speed.
+#[derive(Clone, Debug)]
+pub struct Kinematics {
+    /// By link, parents before children; the root's entry is not used.
+    steps: Vec<LinkStep>,
+    /// How many joints the arm has.
+    pub arm_joints: usize,
+    /// The link whose frame is the tool.
+    pub tool: usize,
+    /// By link: which arm joints move it, as a bit mask.
+    pub moved_by: Vec<u64>,
+    /// By link: whether the hand's joint moves it against the tool.
+    pub moved_by_hand: Vec<bool>,
+}
+
+/// One arm joint in the root frame at some posture.
+#[derive(Clone, Copy, Debug)]
+pub struct JointAxis {
+    pub origin: Vec3,
+    pub direction: Vec3,
+    pub slides: bool,
+}
+
+impl Kinematics {
+    pub fn new(robot: &Robot) -> Self {
+        let arm_joints = robot.arm.len();
+        let mut steps = Vec::with_capacity(robot.links.len());
+        let mut moved_by = vec![0u64; robot.links.len()];
+        let mut moved_by_hand = vec![false; robot.links.len()];
+        for (index, link) in robot.links.iter().enumerate() {
+            let Some(joint_index) = link.parent_joint else {
+                steps.push(LinkStep { parent: index, parent_from_joint: Pose::IDENTITY, motion: Motion::Still });
+                continue;
+            };
+            let joint = &robot.joints[joint_index];
+            moved_by[index] = moved_by[joint.parent];
+            moved_by_hand[index] = moved_by_hand[joint.parent];
+            let (leader, multiplier, offset) = lead(robot, joint_index);
+            let variable = robot
+                .arm
+                .iter()
+                .position(|&j| j == leader)
+                .or_else(|| (robot.hand.joint == Some(leader)).then_some(arm_joints));
+            let mut parent_from_joint = joint.parent_from_joint;
+            let motion = match (joint.kind, variable) {
+                (JointKind::Fixed, _) => Motion::Still,
+                (kind, Some(variable)) => {
+                    if variable == arm_joints {
+                        moved_by_hand[index] = true;
+                    } else {
+                        moved_by[index] |= 1 << variable;
+                    }
+                    let source = Source { variable, multiplier, offset };
+                    match kind {
+                        JointKind::Prismatic => Motion::Slide { axis: joint.axis, source },
+                        _ => Motion::Turn { axis: joint.axis, source },
+                    }
+                }
+                (kind, None) => {
+                    let held = robot.fixed.get(&robot.joints[leader].name).copied().unwrap_or(0.0);
+                    let value = multiplier * held + offset;
+                    parent_from_joint = parent_from_joint
+                        * match kind {
+                            JointKind::Prismatic => Pose::from_translation(joint.axis * value),
+                            _ => Pose::new(Mat3::from_axis_angle(joint.axis, value), Vec3::ZERO),
+                        };
+                    Motion::Still
+                }
+            };
+            steps.push(LinkStep { parent: joint.parent, parent_from_joint, motion });
+        }
+        Self { steps, arm_joints, tool: robot.hand.frame, moved_by, moved_by_hand }
+    }
+
+    /// Writes the frame of every link, `root_from_link`, into `frames`.
+    #[inline]
+    pub fn frames(&self, posture: &[f64], hand: f64, frames: &mut Vec<Pose>) {
+        frames.clear();
+        frames.reserve(self.steps.len());
+        for (index, step) in self.steps.iter().enumerate() {
+            if index == 0 {
+                frames.push(Pose::IDENTITY);
+                continue;
+            }
+            let joint = frames[step.parent] * step.parent_from_joint;
+            let value = |s: &Source| s.multiplier * posture.get(s.variable).copied().unwrap_or(hand) + s.offset;
+            frames.push(match &step.motion {
+                Motion::Still => joint,
+                Motion::Turn { axis, source } => {
+                    Pose::new(joint.rotation * Mat3::from_axis_angle(*axis, value(source)), joint.translation)
+                }
+                Motion::Slide { axis, source } => {
+                    Pose::new(joint.rotation, joint.point(*axis * value(source)))
+                }
+            });
+        }
+    }
+
+    /// `root_from_tool`.
+    pub fn tool(&self, posture: &[f64], hand: f64) -> Pose {
+        let mut frames = Vec::new();
+        self.frames(posture, hand, &mut frames);
+        frames[self.tool]
+    }
+
+    /// The arm joints' axes, in the root frame, out of the frames of a posture.
+    pub fn axes(&self, frames: &[Pose], out: &mut Vec<JointAxis>) {
+        out.clear();
+        out.resize(self.arm_joints, JointAxis { origin: Vec3::ZERO, direction: Vec3::Z, slides: false });
+        for (index, step) in self.steps.iter().enumerate() {
+            let (axis, source, slides) = match step.motion {
+                Motion::Turn { axis, source } => (axis, source, false),
+                Motion::Slide { axis, source } => (axis, source, true),
+                Motion::Still => continue,
+            };
+            // A joint's own link, not those that mimic it.
+            if source.variable < self.arm_joints && source.multiplier == 1.0 && source.offset == 0.0 {
+                out[source.variable] = JointAxis {
+                    origin: frames[index].translation,
+                    direction: frames[index].rotation * axis,
+                    slides,
+                };
+            }
+        }
+    }
+}
+
+/// The joint that leads `joint` through its chain of mimics, with `value = multiplier · lead + offset`.
+fn lead(robot: &Robot, joint: usize) -> (usize, f64, f64) {
+    let (mut at, mut multiplier, mut offset) = (joint, 1.0, 0.0);
+    while let Some(mimic) = &robot.joints[at].mimic {
+        offset += multiplier * mimic.offset;
+        multiplier *= mimic.multiplier;
+        at = mimic.joint;
+    }
+    (at, multiplier, offset)
+}

@@ -1,0 +1,123 @@
+//! The built-in robots load, and their numbers fit together.
+
+use clearway_geometry::{Convex, Mat3, Pose, Vec3};
+use clearway_robot::report::report;
+use clearway_robot::{JointKind, Robot};
+use std::path::Path;
+
+fn ur10() -> Robot {
+    Robot::load("ur10_ag95", Path::new("."), &[]).expect("the built-in robot")
+}
+
+/// Where a link is in the root's frame, with `value` for each joint that mimics none.
+fn root_from(robot: &Robot, link: usize, value: &dyn Fn(usize) -> f64) -> Pose {
+    let Some(j) = robot.links[link].parent_joint else { return Pose::IDENTITY };
+    let joint = &robot.joints[j];
+    let q = match &joint.mimic {
+        Some(m) => m.multiplier * value(m.joint) + m.offset,
+        None => value(j),
+    };
+    let moved = match joint.kind {
+        JointKind::Fixed => Pose::IDENTITY,
+        JointKind::Prismatic => Pose::from_translation(joint.axis * q),
+        _ => Pose::new(Mat3::from_axis_angle(joint.axis, q), Vec3::ZERO),
+    };
+    root_from(robot, joint.parent, value) * joint.parent_from_joint * moved
+}
+
+#[test]
+fn ur10_ag95_is_what_its_files_say() {
+    let robot = ur10();
+    assert_eq!(
+        robot.arm_names(),
+        ["shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint"]
+    );
+    assert_eq!(robot.links[0].name, "base_link");
+    assert!(robot.links.iter().skip(1).all(|l| l.parent_joint.is_some()));
+    assert!(robot.joints.iter().all(|j| j.parent < j.child));
+    assert_eq!(robot.hand.opening.len(), 14);
+    assert_eq!(robot.hand.widest(), 0.095);
+    assert_eq!(robot.disabled_pairs.len(), 17);
+    assert!(robot.fixed.is_empty() && robot.meshes.is_empty());
+    assert_eq!(robot.named_states["home"].len(), 6);
+    let text = report(&robot);
+    for needle in ["elbow_joint", "grasp_center", "0 to 95 mm", "5 × cylinder", "wrist_3_link – gripper_base_link"] {
+        assert!(text.contains(needle), "{needle} is not in\n{text}");
+    }
+}
+
+#[test]
+fn home_holds_the_hand_level_before_the_shelf() {
+    let robot = ur10();
+    let home = |j: usize| robot.arm.iter().position(|&a| a == j).map_or(0.0, |i| robot.home[i]);
+    let hand = root_from(&robot, robot.hand.frame, &home);
+    assert!((hand.rotation.z_axis - Vec3::X).length() < 1e-4, "{hand:?}");
+    assert!(hand.rotation.x_axis.z.abs() < 1e-4);
+    assert!((hand.translation - Vec3::new(0.450, 0.164, 0.550)).length() < 2e-3, "{hand:?}");
+}
+
+/// The inner faces of the pads are as far apart as the opening table says, parallel, and midway
+/// between them, in z too, is the tool's frame.
+#[test]
+fn opening_table_is_the_linkage() {
+    let robot = ur10();
+    let lead = robot.hand.joint.expect("a parallel hand");
+    let face = |side: &str, q: f64| {
+        let link = robot.link(side).expect("a finger");
+        let value = |j: usize| if j == lead { q } else { 0.0 };
+        let tool_from_link = root_from(&robot, robot.hand.frame, &value).inverse() * root_from(&robot, link, &value);
+        let (pose, convex) = &robot.links[link].collision.parts[0];
+        let Convex::Box { half } = convex else { panic!("a box") };
+        let centre = (tool_from_link * *pose).translation;
+        assert!(tool_from_link.angle_to(&Pose::IDENTITY) < 1e-9);
+        assert!(half.y <= 0.04 && centre.x.abs() + half.x <= 0.0595 + 1e-6);
+        (centre.x.abs() - half.x, centre.z - half.z..centre.z + half.z)
+    };
+    let mut worst = 0.0_f64;
+    for i in 0..=650 {
+        let q = f64::from(i) / 1000.0;
+        let ((left, reach), (right, _)) = (face("left_finger", q), face("right_finger", q));
+        assert!((left - right).abs() < 1e-9);
+        assert!((0.015..0.02).contains(&reach.end) && reach.start < -0.025, "{reach:?}");
+        worst = worst.max((left + right - robot.hand.gap_at(q)).abs());
+        assert!((robot.hand.joint_at(robot.hand.gap_at(q)) - q).abs() < 1e-9);
+    }
+    assert!(worst < 2e-5, "{worst}");
+}
+
+/// An upright cylinder midway between the pads keeps 5 mm from the palm and the bars, whether the
+/// hand has closed on it or is open.
+#[test]
+fn there_is_room_for_the_object() {
+    let robot = ur10();
+    let lead = robot.hand.joint.expect("a parallel hand");
+    for millimetres in (5..=45).step_by(5) {
+        let radius = f64::from(millimetres) / 1000.0;
+        for q in [0.0, robot.hand.joint_at(2.0 * radius)] {
+            let value = |j: usize| if j == lead { q } else { 0.0 };
+            let tool = root_from(&robot, robot.hand.frame, &value);
+            for name in ["gripper_base_link", "left_knuckle", "right_knuckle"] {
+                let link = robot.link(name).expect("a link");
+                let tool_from_link = tool.inverse() * root_from(&robot, link, &value);
+                for (pose, convex) in &robot.links[link].collision.parts {
+                    for p in convex_corners(convex) {
+                        let p = (tool_from_link * *pose).point(p);
+                        let distance = p.x.hypot(p.z) - radius;
+                        assert!(distance >= 0.005, "{name}: {distance} at radius {radius}, joint {q}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Points all over the sides of a box or cylinder.
+fn convex_corners(convex: &Convex) -> Vec<Vec3> {
+    let half = match convex {
+        Convex::Box { half } => *half,
+        Convex::Cylinder { radius, half } => Vec3::new(*radius, *radius, *half),
+        other => panic!("{other:?}"),
+    };
+    let steps = || (-20..=20).map(|i| f64::from(i) / 20.0);
+    steps().flat_map(|x| steps().flat_map(move |z| [-1.0, 1.0].map(|y| half * Vec3::new(x, y, z)))).collect()
+}

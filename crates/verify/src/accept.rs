@@ -1,0 +1,49 @@
+//! A plan that the verifier found nothing wrong with.
+
+use crate::error::CannotJudge;
+use crate::judge::verify;
+use crate::report::Report;
+use clearway_plan::{Budget, PlanFile};
+use std::path::Path;
+
+/// Only [`accept`] makes one.
+#[derive(Clone, Debug)]
+pub struct VerifiedPlan {
+    plan: PlanFile,
+    report: Report,
+}
+
+impl VerifiedPlan {
+    pub fn plan(&self) -> &PlanFile {
+        &self.plan
+    }
+
+    pub fn report(&self) -> &Report {
+        &self.report
+    }
+
+    pub fn into_inner(self) -> PlanFile {
+        self.plan
+    }
+}
+
+/// A plan that is not accepted.
+#[derive(Debug, thiserror::Error)]
+pub enum Rejected {
+    /// It has violations.
+    #[error("the plan breaks its contract: {report}")]
+    Violations { plan: Box<PlanFile>, report: Box<Report> },
+    /// It could not be judged.
+    #[error(transparent)]
+    Unjudged(#[from] CannotJudge),
+}
+
+/// Verifies a plan, and vouches for it.
+pub fn accept(plan: PlanFile, plan_directory: &Path, budget: &Budget) -> Result<VerifiedPlan, Rejected> {
+    let report = verify(&plan, plan_directory, budget)?;
+    if report.is_valid() {
+        Ok(VerifiedPlan { plan, report })
+    } else {
+        Err(Rejected::Violations { plan: Box::new(plan), report: Box::new(report) })
+    }
+}

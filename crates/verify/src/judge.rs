@@ -1,0 +1,47 @@
+//! The verifier's outline: what is checked, in which order.
+
+use crate::case::Case;
+use crate::error::CannotJudge;
+use crate::report::{Report, ViolationKind};
+use crate::{carry, claims, collisions, gripper, limits, names, rows, steps, unchecked};
+use clearway_plan::plan_file::{FORMAT, Status};
+use clearway_plan::{Budget, PlanFile};
+use std::path::Path;
+
+/// Judges a plan. `plan_directory` is where its meshes are relative to.
+///
+/// Takes some tenths of a second for a plan of a minute. `Err` only when there is no judging it: a
+/// URDF or scene that makes no sense, a mesh that is missing or another, the budget spent. When the
+/// plan's structure is so broken that rows cannot be read, only structure is reported.
+pub fn verify(plan: &PlanFile, plan_directory: &Path, budget: &Budget) -> Result<Report, CannotJudge> {
+    let mut report = Report::default();
+    if plan.format != FORMAT {
+        report.plan(ViolationKind::Format, format!("the format is {:?}; expected {FORMAT:?}", plan.format));
+    }
+    if plan.status != Status::Solved || plan.steps.is_empty() {
+        let status = serde_json::to_string(&plan.status).unwrap_or_default();
+        report.plan(ViolationKind::NotSolved, format!("no plan to judge: the status is {status}, with {} steps", plan.steps.len()));
+        return Ok(report);
+    }
+    let case = Case::new(plan, plan_directory)?;
+    claims::check_lower_bound(plan, &mut report);
+    let names = names::resolve(plan, &case.model, &mut report);
+    let objects = steps::check(plan, &case, &mut report);
+    let Some(names) = names else { return Ok(report) };
+    let Some(tracks) = rows::tracks(plan, &case.model, &names, &mut report) else { return Ok(report) };
+    report.checked.steps = plan.steps.len();
+    report.checked.segments = tracks.len();
+    report.checked.rows = tracks.iter().map(|t| t.postures.len()).sum();
+    report.checked.duration = tracks.last().map_or(0.0, |t| t.start + t.segment.times.last().copied().unwrap_or(0.0));
+    rows::check(plan, &case.model, &names, &tracks, &mut report);
+    gripper::check(&case.model, &names, &tracks, &mut report);
+    limits::check(plan, &case.model, &names, &tracks, &mut report);
+    claims::check_region(plan, &case, &names, &tracks, &mut report);
+    unchecked::check(plan, &case, &names, budget, &mut report)?;
+    let Some(objects) = objects else { return Ok(report) };
+    let stages = carry::stages(plan, &case, &names, &tracks, &objects, budget, &mut report)?;
+    for (track, stage) in tracks.iter().zip(&stages) {
+        collisions::check(&case, &names, track, stage, budget, &mut report)?;
+    }
+    Ok(report)
+}

@@ -1,0 +1,48 @@
+// What happens, in words.
+
+const plural = (count, one, many = `${one}s`) => `${count} ${count === 1 ? one : many}`;
+const setText = (names) => `{${names.join(', ')}}`;
+
+function seconds(value) {
+  if (!Number.isFinite(value)) return '–';
+  if (value < 1) return `${Number((value * 1000).toPrecision(3))} ms`;
+  return `${value < 100 ? value.toFixed(1) : Math.round(value)} s`;
+}
+
+/** The place area under a position, or null. */
+function placeUnder(plan, position) {
+  return (plan.scene.place ?? []).find((area) =>
+    [0, 1].every((i) => Math.abs(position[i] - area.position[i]) <= area.size[i] / 2 + 1e-6)) ?? null;
+}
+
+/** What the robot does in a segment: “carrying o8 to the tray”. */
+function doing(plan, segment) {
+  const name = segment.step.object;
+  const area = segment.step.placed && placeUnder(plan, segment.step.placed.position);
+  const where = area ? `to the ${area.id}` : 'aside';
+  switch (segment.kind) {
+    case 'transit': return segment.beforeHold && !segment.released ? `moving to ${name}` : 'moving away';
+    case 'approach': return `reaching for ${name}`;
+    case 'grasp': return `gripping ${name}`;
+    case 'transfer': return `carrying ${name} ${where}`;
+    case 'release': return `letting go of ${name}`;
+    case 'retreat': return `drawing back from ${name}`;
+    case 'push': return `pushing ${name} aside`;
+    default: return segment.kind;
+  }
+}
+
+const STATUS = {
+  solved: ['Solved', 'good'],
+  impossible: ['Impossible', 'bad'],
+  out_of_budget: ['Budget spent', 'warn'],
+};
+
+/** “3 removed, at least 2 needed” – every count includes the target. */
+function removalText(plan) {
+  const removed = plan.removed?.length ?? 0;
+  const bound = plan.lower_bound?.removed;
+  if (removed === 0) return bound ? `at least ${bound} to remove` : 'no plan';
+  if (!bound) return `${removed} removed`;
+  return removed === bound ? `${removed} removed, proved fewest` : `${removed} removed, at least ${bound} needed`;
+}
