@@ -58,7 +58,7 @@ def yaml_text(content: dict) -> str:
     JSON values on one line are YAML."""
     lines = []
     for key, value in content.items():
-        if isinstance(value, list):
+        if isinstance(value, list) and value:
             lines += [f"{key}:", *(f"  - {json.dumps(item)}" for item in value)]
         elif isinstance(value, dict):
             lines += [f"{key}:", *(f"  {k}: {json.dumps(v)}" for k, v in value.items())]

@@ -1,5 +1,6 @@
 //! How the program ends, and how it says why.
 
+use crate::commands::output::tell;
 use clearway::FileError;
 
 /// Exit codes.
@@ -37,7 +38,7 @@ impl Failure {
     }
 
     pub fn tell(&self) -> Exit {
-        eprintln!("error: {}", self.message.trim_end());
+        tell(&format!("error: {}", self.message));
         self.exit
     }
 }

@@ -26,12 +26,15 @@ pub use clearway_verify::{Report, VerifiedPlan, read_plan, verify_file};
 pub use outcome::{Outcome, duration, improve, solve};
 pub use written::{page, to_json, with_meshes_relative_to};
 
+use clearway_files::{Limits, read_text, yaml};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Reads a scene file and the robot that it names. `packages`: where `package://NAME` leads.
-pub fn open(scene: &Path, packages: &[(String, PathBuf)]) -> Result<(Scene, Arc<Robot>), FileError> {
-    let scene = Scene::load(scene)?;
-    let robot = Robot::load(&scene.file.robot.model, &scene.directory, packages)?;
+pub fn open(path: &Path, packages: &[(String, PathBuf)]) -> Result<(Scene, Arc<Robot>), FileError> {
+    let text = read_text(path, &Limits::DOCUMENT)?;
+    let scene = Scene::from_text(path, &text)?;
+    let robot = Robot::load(&scene.file.robot.model, &scene.directory, packages)
+        .map_err(|error| error.referenced_from(path, yaml::position(&text, &["robot", "model"])))?;
     Ok((scene, Arc::new(robot)))
 }

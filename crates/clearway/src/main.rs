@@ -11,6 +11,7 @@ use exit::Exit;
 
 fn main() -> std::process::ExitCode {
     let cli = Cli::parse();
+    interrupt::heed();
     let result = match cli.command {
         None => commands::demo::run(),
         Some(Command::Plan(args)) => commands::plan::run(&args),

@@ -12,6 +12,7 @@
 mod moment;
 mod obstacle;
 mod pairs;
+mod probe;
 mod query;
 mod report;
 mod world;
@@ -19,6 +20,7 @@ mod world;
 pub use moment::{Held, Moment};
 pub use obstacle::Obstacle;
 pub use pairs::unchecked_pairs;
+pub use probe::{Probe, Slack};
 pub use query::{Scratch, Touch};
 pub use report::Contact;
 pub use world::World;

@@ -1,4 +1,4 @@
-//! The question itself: what does a posture touch?
+//! What does a posture touch? All of it, as a set.
 
 use crate::moment::Moment;
 use crate::obstacle::Obstacle;
@@ -22,42 +22,23 @@ impl Touch {
 /// Room for one query; reuse it to allocate nothing.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
-    frames: Vec<Pose>,
+    pub(crate) frames: Vec<Pose>,
     /// How many postures were checked with it.
     pub checked: u64,
 }
 
-/// Whether to go on after a standing object was met.
-enum Want {
-    /// Free or not.
-    Free,
-    /// Every object met.
-    All,
-}
-
 /// Links may come this close to each other, metres.
-const SELF_MARGIN: f64 = 0.002;
+pub(crate) const SELF_MARGIN: f64 = 0.002;
 
 impl World {
-    /// Whether the posture touches nothing.
-    #[inline]
-    pub fn free(&self, posture: &[f64], moment: &Moment, scratch: &mut Scratch) -> bool {
-        self.query(posture, moment, scratch, Want::Free) == Touch::FREE
-    }
-
     /// Everything movable that the posture touches, or that it touches something fixed.
-    #[inline]
     pub fn touched(&self, posture: &[f64], moment: &Moment, scratch: &mut Scratch) -> Touch {
-        self.query(posture, moment, scratch, Want::All)
-    }
-
-    fn query(&self, posture: &[f64], moment: &Moment, scratch: &mut Scratch, want: Want) -> Touch {
         scratch.checked += 1;
         self.kinematics.frames(posture, moment.hand, &mut scratch.frames);
         let frames = &scratch.frames;
         let margin = moment.margin;
         let mut touched = ObjectSet::EMPTY;
-        let moving = || self.links.iter().zip(frames).filter_map(|(l, f)| l.as_ref().filter(|l| !l.still).map(|l| (l, f)));
+        let moving = || self.moving(frames);
         for (link, frame) in moving() {
             if self.fixtures.iter().any(|f| link_near(link, frame, f, margin)) {
                 return Touch::Fixed;
@@ -77,9 +58,6 @@ impl World {
                     return Touch::Fixed;
                 }
             }
-            if matches!(want, Want::Free) && !touched.is_empty() {
-                return Touch::Objects(touched);
-            }
         }
         for id in moment.standing.iter() {
             let object = &self.objects[id.index()];
@@ -87,14 +65,17 @@ impl World {
                 let margin = if link.hand && moment.gripping == Some(id) { 0.0 } else { margin };
                 if link_near(link, frame, object, margin) {
                     touched.insert(id);
-                    if matches!(want, Want::Free) {
-                        return Touch::Objects(touched);
-                    }
                     break;
                 }
             }
         }
         if self.meets_itself(frames) { Touch::Fixed } else { Touch::Objects(touched) }
+    }
+
+    /// The links with shapes that move, with their frames.
+    #[inline]
+    fn moving<'a>(&'a self, frames: &'a [Pose]) -> impl Iterator<Item = (&'a LinkBody, &'a Pose)> {
+        self.links.iter().zip(frames).filter_map(|(l, f)| l.as_ref().filter(|l| !l.still).map(|l| (l, f)))
     }
 
     /// True when it meets something fixed; objects met are added to `touched`.

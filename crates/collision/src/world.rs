@@ -3,7 +3,7 @@
 use crate::obstacle::Obstacle;
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
 use clearway_plan::ObjectId;
-use clearway_robot::{Kinematics, Robot, Sphere, bounding_sphere, cover};
+use clearway_robot::{JointKind, Kinematics, Robot, Sphere, bounding_sphere, cover};
 use clearway_scene::Scene;
 use std::sync::Arc;
 
@@ -38,17 +38,16 @@ pub struct World {
     pub pairs: Vec<(usize, usize)>,
     /// Pairs that are not, by name, for the plan file.
     pub unchecked: Vec<[String; 2]>,
-    /// An upper bound, per arm joint, of how far (metres) any point of the robot or of what it
-    /// holds moves when the joint moves by one.
-    pub reach: Vec<f64>,
+    /// By link, then arm joint: how far from the joint's axis any point of the link can be, metres
+    /// (for a sliding joint 1); 0 when the joint does not move the link.
+    pub link_reach: Vec<Vec<f64>>,
+    /// The same for the tool's frame alone.
+    pub tool_reach: Vec<f64>,
 }
 
 /// Width of the cells that links are covered with, metres: hand finely, arm coarsely.
 const ARM_CELL: f64 = 0.08;
 const HAND_CELL: f64 = 0.03;
-/// How far what is held may stick out beyond the hand, for the bound on motion.
-const HELD_REACH: f64 = 0.25;
-
 impl World {
     pub fn new(robot: Arc<Robot>, scene: &Scene) -> Self {
         let kinematics = Kinematics::new(&robot);
@@ -71,7 +70,10 @@ impl World {
             })
             .collect();
         let (pairs, unchecked) = crate::pairs::checked_pairs(&robot, &kinematics);
-        let reach = reach(&robot, &kinematics, &links);
+        let link_reach = (0..links.len())
+            .map(|l| reach(&robot, &kinematics, l, links[l].as_ref().map_or(0.0, |b| b.bound.centre.length() + b.bound.radius)))
+            .collect();
+        let tool_reach = reach(&robot, &kinematics, robot.hand.frame, 0.0);
         let mut world = Self {
             robot,
             kinematics,
@@ -84,7 +86,8 @@ impl World {
             poses: Vec::new(),
             pairs,
             unchecked,
-            reach,
+            link_reach,
+            tool_reach,
         };
         world.set_scene(scene);
         world
@@ -128,35 +131,22 @@ impl World {
     }
 }
 
-/// The chain's lengths, added up from each joint outwards, bound how far its points can be.
-fn reach(robot: &Robot, kinematics: &Kinematics, links: &[Option<LinkBody>]) -> Vec<f64> {
-    let n = kinematics.arm_joints;
-    let mut reach = vec![0.0f64; n];
-    for (j, &joint) in robot.arm.iter().enumerate() {
-        if robot.joints[joint].kind == clearway_robot::JointKind::Prismatic {
-            reach[j] = 1.0;
-            continue;
+/// For each arm joint that moves `link`: the chain's lengths from the joint to the link, added up,
+/// and the link's `own` extent. No point of the link is farther from the joint's axis.
+fn reach(robot: &Robot, kinematics: &Kinematics, link: usize, own: f64) -> Vec<f64> {
+    let mut reach = vec![0.0; kinematics.arm_joints];
+    let mut length = own;
+    let mut at = link;
+    while let Some(joint) = robot.links[at].parent_joint {
+        let up = &robot.joints[joint];
+        if let Some(j) = robot.arm.iter().position(|&a| a == joint) {
+            reach[j] = if up.kind == JointKind::Prismatic { 1.0 } else { length };
         }
-        let child = robot.joints[joint].child;
-        for (index, body) in links.iter().enumerate() {
-            if kinematics.moved_by[index] >> j & 1 == 0 && index != robot.hand.frame {
-                continue;
-            }
-            let own = body.as_ref().map_or(0.0, |b| b.bound.centre.length() + b.bound.radius);
-            let held = if index == robot.hand.frame { HELD_REACH } else { 0.0 };
-            let mut length = own.max(held);
-            let mut at = index;
-            while at != child {
-                let Some(parent) = robot.links[at].parent_joint else { break };
-                let up = &robot.joints[parent];
-                length += up.parent_from_joint.translation.length();
-                if up.kind == clearway_robot::JointKind::Prismatic {
-                    length += up.lower.abs().max(up.upper.abs()).min(10.0);
-                }
-                at = up.parent;
-            }
-            reach[j] = reach[j].max(length);
+        length += up.parent_from_joint.translation.length();
+        if up.kind == JointKind::Prismatic {
+            length += up.lower.abs().max(up.upper.abs());
         }
+        at = up.parent;
     }
     reach
 }

@@ -49,6 +49,13 @@ impl FileError {
         self
     }
 
+    /// The same, told of `whose`.
+    #[must_use]
+    pub fn about(mut self, whose: &str) -> Self {
+        self.0.found = clean(&format!("{whose}: {}", self.0.found));
+        self
+    }
+
     /// What should have been there; printed after `, expected `.
     #[must_use]
     pub fn expected(mut self, expected: impl Into<String>) -> Self {

@@ -25,5 +25,5 @@ pub use mesh::{Mesh, MeshBudget};
 pub use read::{Limits, read_bytes, read_text};
 pub use root::Root;
 pub use suggest::closest;
-pub use write::write_atomic;
+pub use write::{check_writable, write_atomic};
 pub use yaml::Located;

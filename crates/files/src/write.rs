@@ -13,9 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub fn write_atomic(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), FileError> {
     let path = path.as_ref();
     match fs::metadata(path) {
-        Ok(metadata) if metadata.is_dir() => {
-            return Err(FileError::new(path, "is a directory").expected("the name of a file to write"));
-        }
+        Ok(metadata) if metadata.is_dir() => return Err(is_directory(path)),
         Ok(metadata) if !metadata.is_file() => {
             return OpenOptions::new()
                 .write(true)
@@ -49,6 +47,25 @@ pub fn write_atomic(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), FileErro
     Ok(())
 }
 
+/// Whether [`write_atomic`] could write there now, to be asked before long work. Leaves nothing.
+/// Devices and pipes are not tried: opening a pipe may wait for its reader.
+pub fn check_writable(path: impl AsRef<Path>) -> Result<(), FileError> {
+    let path = path.as_ref();
+    match fs::metadata(path) {
+        Ok(metadata) if metadata.is_dir() => return Err(is_directory(path)),
+        Ok(metadata) if !metadata.is_file() => return Ok(()),
+        _ => {}
+    }
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let temporary = name_beside(&target).ok_or_else(|| FileError::new(path, "has no file name"))?;
+    OpenOptions::new().write(true).create_new(true).open(&temporary).map_err(|e| unwritable(path, &e))?;
+    fs::remove_file(&temporary).map_err(|e| unwritable(path, &e))
+}
+
+fn is_directory(path: &Path) -> FileError {
+    FileError::new(path, "is a directory").expected("the name of a file to write")
+}
+
 fn name_beside(target: &Path) -> Option<PathBuf> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let mut name = OsString::from(".");
@@ -64,6 +81,10 @@ fn unwritable(path: &Path, error: &io::Error) -> FileError {
             FileError::new(path, "cannot be written: its directory does not exist")
                 .help(format!("create it first: mkdir -p {}", parent.display()))
         }
+        io::ErrorKind::NotADirectory => FileError::new(path, "cannot be written: what should be its directory is a file")
+            .help("choose another name"),
+        io::ErrorKind::ReadOnlyFilesystem => FileError::new(path, "cannot be written: the file system is read-only")
+            .help("choose a directory that you may write to"),
         io::ErrorKind::PermissionDenied => FileError::new(path, "cannot be written: permission denied")
             .help("choose a directory that you may write to"),
         _ => FileError::new(path, format!("cannot be written: {error}")),

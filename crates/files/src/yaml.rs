@@ -65,8 +65,8 @@ impl<T> Located<T> {
     }
 }
 
-/// What [`Located::position`] says. No recursion, no memory, linear in the text.
-fn position(text: &str, keys: &[&str]) -> Option<(usize, usize)> {
+/// What [`Located::position`] says, of a text. No recursion, no memory, linear in the text.
+pub fn position(text: &str, keys: &[&str]) -> Option<(usize, usize)> {
     let mut events = Parser::new_from_str(text).filter_map(Result::ok).filter(is_node_or_end);
     let mut keys = keys.iter();
     let mut node = events.next()?;
@@ -209,8 +209,12 @@ fn one_of(names: &[&str]) -> String {
 }
 
 fn found_at(text: &str, place: Option<(usize, usize)>) -> String {
-    let word = place.and_then(|p| word_at(text, p));
-    word.map_or_else(|| "an unreadable value".to_owned(), |w| format!("found {}", quoted(w)))
+    match place.and_then(|p| word_at(text, p)) {
+        // The place of a value that is left out is that of the colon after its key.
+        Some(":") => "found nothing".to_owned(),
+        Some(word) => format!("found {}", quoted(word)),
+        None => "an unreadable value".to_owned(),
+    }
 }
 
 /// `f64` and `mapping start` are no words for the people who write these files.

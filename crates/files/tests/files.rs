@@ -1,7 +1,7 @@
 //! Which files are read and written, and which are not.
 #![allow(clippy::unwrap_used)]
 
-use clearway_files::{Limits, Root, read_bytes, read_text, write_atomic};
+use clearway_files::{Limits, Root, check_writable, read_bytes, read_text, write_atomic};
 use std::fs::{self, File};
 use std::path::Path;
 
@@ -92,6 +92,13 @@ fn writing_replaces_whole_files_and_leaves_nothing_behind() {
     let error = write_atomic(dir.path().join("none/plan.json"), b"x").unwrap_err().to_string();
     assert!(error.contains("its directory does not exist") && error.contains("mkdir -p"), "{error}");
     assert!(write_atomic(dir.path(), b"x").unwrap_err().found().contains("is a directory"));
+    for wrong in [dir.path().to_owned(), dir.path().join("none/plan.json"), path.join("plan.json")] {
+        let (told, met) = (check_writable(&wrong).unwrap_err(), write_atomic(&wrong, b"x").unwrap_err());
+        assert_eq!(told, met);
+    }
+    check_writable(&path).unwrap();
+    check_writable(dir.path().join("other.json")).unwrap();
+    assert_eq!(fs::read(&path).unwrap(), b"new");
     assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
     #[cfg(unix)]
     {

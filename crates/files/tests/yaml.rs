@@ -56,6 +56,7 @@ fn wrong_values_are_shown() {
     );
     refused("name: a\nobjects: 7\n", (2, 10), &["found `7`, expected a list"]);
     refused("name: [a]\n", (1, 7), &["expected text"]);
+    refused("name: a\nobjects:\n", (2, 8), &["found nothing, expected a list"]);
     refused("name:\n", (1, 5), &["found nothing, expected text"]);
     refused("just some words", (1, 1), &["found `just some words`, expected a mapping, `key: value`"]);
     refused("objects: []\n", (1, 1), &["the key `name` is missing"]);

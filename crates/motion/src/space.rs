@@ -1,21 +1,24 @@
-//! The arm's postures at one moment: which are free, which straight lines are.
+//! The arm's postures at one moment: which are free, which motions are.
 
 use crate::Posture;
-use clearway_collision::{Moment, Scratch, Touch, World};
+use clearway_collision::{Moment, Probe, Scratch, Slack, Touch, World};
 use clearway_plan::ObjectSet;
+use std::collections::VecDeque;
 
 /// Postures of one robot at one moment.
 pub struct Space<'a> {
     pub world: &'a World,
     pub moment: &'a Moment,
-    scratch: Scratch,
-    /// Between two checked postures of a line no point of the robot moves farther, metres.
+    /// Between two checked postures no point of the robot moves farther, metres.
     pub step: f64,
+    scratch: Scratch,
+    slack: Slack,
+    queue: VecDeque<(f64, f64)>,
 }
 
 impl<'a> Space<'a> {
     pub fn new(world: &'a World, moment: &'a Moment, step: f64) -> Self {
-        Self { world, moment, scratch: Scratch::default(), step }
+        Self { world, moment, step, scratch: Scratch::default(), slack: Slack::default(), queue: VecDeque::new() }
     }
 
     pub fn lower(&self) -> &[f64] {
@@ -26,8 +29,9 @@ impl<'a> Space<'a> {
         &self.world.robot.upper
     }
 
-    pub fn inside_limits(&self, q: &[f64]) -> bool {
-        q.iter().zip(self.lower()).zip(self.upper()).all(|((q, l), u)| q >= l && q <= u)
+    /// How many postures were checked so far.
+    pub fn checked(&self) -> u64 {
+        self.scratch.checked
     }
 
     #[inline]
@@ -35,15 +39,16 @@ impl<'a> Space<'a> {
         self.world.free(q, self.moment, &mut self.scratch)
     }
 
-    #[inline]
     pub fn touched(&mut self, q: &[f64]) -> Touch {
         self.world.touched(q, self.moment, &mut self.scratch)
     }
 
-    /// An upper bound of how far any point of the robot moves on the straight line, metres.
-    #[inline]
-    pub fn sweep(&self, a: &[f64], b: &[f64]) -> f64 {
-        a.iter().zip(b).zip(&self.world.reach).map(|((a, b), r)| (a - b).abs() * r).sum()
+    /// An upper bound of how far any point of the robot, or of what it holds, moves between two
+    /// postures, metres.
+    pub fn sweep(&mut self, a: &[f64], b: &[f64]) -> f64 {
+        let joints: Posture = a.iter().zip(b).map(|(a, b)| (a - b).abs()).collect();
+        self.slack.set(self.world, self.moment, &joints);
+        self.slack.most()
     }
 
     /// Whether the straight line is free, both ends included; `a` is taken to be free already.
@@ -51,28 +56,79 @@ impl<'a> Space<'a> {
         if !self.free(b) {
             return false;
         }
-        let count = (self.sweep(a, b) / self.step).ceil() as usize;
-        let mut q: Posture = a.to_vec();
-        // Coarse first: most lines that are blocked show it at a handful of postures.
-        let mut gap = count.next_power_of_two();
-        while gap > 1 {
-            for i in (gap / 2..count).step_by(gap) {
-                let t = i as f64 / count as f64;
-                for (q, (a, b)) in q.iter_mut().zip(a.iter().zip(b)) {
-                    *q = a + (b - a) * t;
-                }
-                if !self.free(&q) {
-                    return false;
-                }
-            }
-            gap /= 2;
-        }
-        true
+        let along = |t: f64, q: &mut Posture| {
+            q.clear();
+            q.extend(a.iter().zip(b).map(|(a, b)| a + (b - a) * t));
+        };
+        let moved = |from: f64, to: f64, d: &mut Posture| {
+            d.clear();
+            d.extend(a.iter().zip(b).map(|(a, b)| (b - a).abs() * (to - from)));
+        };
+        self.between_free(0.0, 1.0, along, moved)
     }
 
-    /// Whether every line of a path is free, its first posture included.
-    pub fn path_free(&mut self, path: &[Posture]) -> bool {
-        path.first().is_none_or(|q| self.free(q)) && path.windows(2).all(|w| self.line_free(&w[0], &w[1]))
+    /// Whether rows with straight lines between them are free, the first included.
+    pub fn rows_free(&mut self, rows: &[Posture]) -> bool {
+        let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return true };
+        if !self.free(first) || !self.free(last) {
+            return false;
+        }
+        // By row and joint: how much the joint has moved since the first row, back and forth.
+        let mut travel: Vec<Posture> = vec![vec![0.0; first.len()]];
+        for w in rows.windows(2) {
+            let so_far = &travel[travel.len() - 1];
+            travel.push(so_far.iter().zip(w[0].iter().zip(&w[1])).map(|(s, (a, b))| s + (b - a).abs()).collect());
+        }
+        let at = |values: &[Posture], t: f64, out: &mut Posture| {
+            let i = (t as usize).min(values.len() - 2);
+            let part = t - i as f64;
+            out.clear();
+            out.extend(values[i].iter().zip(&values[i + 1]).map(|(a, b)| a + (b - a) * part));
+        };
+        if rows.len() < 2 {
+            return true;
+        }
+        let mut start = Posture::new();
+        let moved = |from: f64, to: f64, d: &mut Posture| {
+            at(&travel, to, d);
+            at(&travel, from, &mut start);
+            d.iter_mut().zip(&start).for_each(|(d, s)| *d -= s);
+        };
+        self.between_free(0.0, (rows.len() - 1) as f64, |t, q| at(rows, t, q), moved)
+    }
+
+    /// Whether the open interval of a motion is free: halves it, coarse first, until every part is
+    /// certified from its middle or shorter than [`Self::step`]. `along` gives the posture at a
+    /// parameter, `moved` how much each joint moves between two.
+    fn between_free(
+        &mut self,
+        from: f64,
+        to: f64,
+        along: impl Fn(f64, &mut Posture),
+        mut moved: impl FnMut(f64, f64, &mut Posture),
+    ) -> bool {
+        let (mut q, mut half) = (Posture::new(), Posture::new());
+        self.queue.clear();
+        self.queue.push_back((from, to));
+        while let Some((a, b)) = self.queue.pop_front() {
+            let middle = (a + b) / 2.0;
+            moved(a, middle, &mut half);
+            let mut other = std::mem::take(&mut q);
+            moved(middle, b, &mut other);
+            half.iter_mut().zip(&other).for_each(|(h, o)| *h = h.max(*o));
+            q = other;
+            self.slack.set(self.world, self.moment, &half);
+            if self.slack.most() * 2.0 <= self.step {
+                continue;
+            }
+            along(middle, &mut q);
+            match self.world.probe(&q, self.moment, Some(&self.slack), &mut self.scratch) {
+                Probe::Hit => return false,
+                Probe::Around => {}
+                Probe::Here => self.queue.extend([(a, middle), (middle, b)]),
+            }
+        }
+        true
     }
 
     /// Everything movable that a path touches; `None` when it touches something fixed.

@@ -6,6 +6,7 @@
 
 pub mod budget;
 pub mod event;
+mod number_or;
 pub mod object_set;
 pub mod plan_file;
 pub mod robot_file;

@@ -1,12 +1,18 @@
 //! The plan file: `clearway-plan/1`. Whole: a checker needs nothing else but the meshes it names.
-//! Written strictly, read leniently: unknown keys are ignored.
+//! Written strictly, read leniently: unknown keys are ignored, and `null` is as good as a key that
+//! is not there wherever it need not be.
 
+use crate::number_or::{NumberOr, number_or};
 use crate::scene_file::SceneFile;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 
 pub const FORMAT: &str = "clearway-plan/1";
+
+fn null_is_default<'de, D: Deserializer<'de>, T: Deserialize<'de> + Default>(deserializer: D) -> Result<T, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or_default())
+}
 
 /// A plan, or the account of why there is none.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -19,19 +25,19 @@ pub struct PlanFile {
     pub scene: SceneFile,
     pub robot: PlannedRobot,
     /// The objects removed, in order; the target is the last.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub removed: Vec<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lower_bound: Option<LowerBound>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub steps: Vec<Step>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trace: Option<Trace>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub timing: Timing,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub stats: Stats,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub why: Why,
 }
 
@@ -75,16 +81,16 @@ pub struct PlannedRobot {
     /// The link that `pose_in_tool` is seen from.
     pub tool: String,
     /// Joints not in `joints`, held at these values.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub fixed: BTreeMap<String, f64>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub home: BTreeMap<String, f64>,
     pub limits: JointLimits,
     pub hand: PlannedHand,
     /// Link pairs that are not checked: adjacent, of the hand, or (nearly) always touching.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub unchecked_pairs: Vec<[String; 2]>,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub meshes: Vec<MeshFile>,
 }
 
@@ -103,7 +109,7 @@ pub struct PlannedHand {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<String>,
     /// Joint value → gap between the pads, metres.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub opening: BTreeMap<String, f64>,
     pub links: Vec<String>,
     pub base_radius: f64,
@@ -148,7 +154,7 @@ pub struct Segment {
     /// A row per time, a column per joint.
     pub positions: Vec<Vec<f64>>,
     /// Gripper joint → value, or a value per row. Others follow by `<mimic>`.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub gripper: BTreeMap<String, GripperValue>,
     /// Given exactly while the hand holds the object.
     pub attached: Option<Attached>,
@@ -166,11 +172,20 @@ pub enum SegmentKind {
     Push,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum GripperValue {
     Held(f64),
     Rows(Vec<f64>),
+}
+
+impl<'de> Deserialize<'de> for GripperValue {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(match number_or(deserializer, "a number, or a list with one per row")? {
+            NumberOr::Number(value) => Self::Held(value),
+            NumberOr::Other(values) => Self::Rows(values),
+        })
+    }
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -256,7 +271,7 @@ pub struct Stats {
     pub samples: usize,
     pub sequences_tried: usize,
     /// Grasp postures looked at.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub grasps_tried: usize,
 }
 
@@ -264,9 +279,9 @@ pub struct Stats {
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Why {
     /// The verdict in a sentence.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub summary: String,
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub objects: Vec<ObjectWhy>,
 }
 
@@ -275,19 +290,19 @@ pub struct Why {
 pub struct ObjectWhy {
     pub object: String,
     /// In the order of removal, from 1; 0 when it was not removed.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub order: usize,
     /// What this object stood in the way of, in words.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub reason: String,
     /// The objects that could not be had, or the target not brought out, while it stood.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub blocked: Vec<String>,
     /// Each set is one way in: all of its objects have to go first.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub blocked_by: Vec<Vec<String>>,
     /// Grasps looked at, by what became of them.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "null_is_default")]
     pub grasps: Vec<GraspCount>,
 }
 

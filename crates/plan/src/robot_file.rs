@@ -1,8 +1,9 @@
 //! The robot file, as written: `clearway-robot/1`. What it means is checked by `clearway-robot`.
 
+use crate::number_or::{NumberOr, number_or};
 use crate::scene_file::PoseKeys;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 
 pub const FORMAT: &str = "clearway-robot/1";
@@ -71,11 +72,20 @@ fn default_jerk() -> PerJoint {
 }
 
 /// One number for all joints, or one by joint.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum PerJoint {
     All(f64),
     ByJoint(BTreeMap<String, f64>),
+}
+
+impl<'de> Deserialize<'de> for PerJoint {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(match number_or(deserializer, "a number for all joints, or a mapping from joint to number")? {
+            NumberOr::Number(value) => Self::All(value),
+            NumberOr::Other(values) => Self::ByJoint(values),
+        })
+    }
 }
 
 /// What grips.

@@ -1,8 +1,9 @@
 //! The scene file, as written: `clearway-scene/1`. What it means is checked by `clearway-scene`.
 
+use crate::number_or::{NumberOr, number_or};
 use clearway_geometry::{Pose, Vec3};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 
 pub const FORMAT: &str = "clearway-scene/1";
@@ -166,11 +167,20 @@ pub struct MeshKeys {
 }
 
 /// One factor, or one per axis.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Scale {
     Uniform(f64),
     PerAxis([f64; 3]),
+}
+
+impl<'de> Deserialize<'de> for Scale {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(match number_or(deserializer, "a number, or a list of three")? {
+            NumberOr::Number(factor) => Self::Uniform(factor),
+            NumberOr::Other(factors) => Self::PerAxis(factors),
+        })
+    }
 }
 
 /// A text file of `x y z` lines (metres), or a PLY or XYZ file; each point a ball of `radius`.

@@ -95,6 +95,9 @@ pub struct Carrier<'a, R: Rng> {
     pub budget: &'a Budget,
 }
 
+/// What is held counts as resting up to this height above where it stood, metres.
+const RESTING: f64 = 0.008;
+
 type Attempt<T> = Result<Result<T, Obstruction>, Stop>;
 
 /// `?` for an attempt: passes an obstruction on as a value.
@@ -215,26 +218,30 @@ impl<R: Rng> Carrier<'_, R> {
             return obstructed(what, ObjectSet::EMPTY);
         }
         self.budget.check()?;
-        let tool = |q: &Posture| self.world.kinematics.tool(q, moment.hand).translation;
-        let (first, last) = (tool(&timed.positions[0]), tool(&timed.positions[timed.positions.len() - 1]));
+        let rows = &timed.positions;
+        // Near both ends what is held may rest on what carries it: as long as it is no higher than
+        // it is lifted there, or lowered.
+        let (from, to) = match resting_within {
+            Some(reach) => {
+                let tool = |q: &Posture| self.world.kinematics.tool(q, moment.hand).translation;
+                let (first, last) = (tool(&rows[0]), tool(&rows[rows.len() - 1]));
+                let low = |q: &Posture, end: Vec3| {
+                    let off = tool(q) - end;
+                    off.dot(self.world.up()).abs() < RESTING && off.length() < reach
+                };
+                let from = rows.iter().position(|q| !low(q, first)).unwrap_or(rows.len() - 1);
+                let to = rows.iter().rposition(|q| !low(q, last)).unwrap_or(from).max(from);
+                (from, to)
+            }
+            None => (0, rows.len() - 1),
+        };
         let mut strict = Space::new(self.world, moment, self.settings.final_step);
         let mut resting = Space::new(self.world, &lenient, self.settings.final_step);
-        for pair in timed.positions.windows(2) {
-            let space = match resting_within {
-                Some(reach) => {
-                    let at = tool(&pair[0]);
-                    let low = (at - first).dot(self.world.up()).abs() < 0.012 && at.distance(first) < reach
-                        || (at - last).dot(self.world.up()).abs() < 0.012 && at.distance(last) < reach;
-                    if low { &mut resting } else { &mut strict }
-                }
-                None => &mut strict,
-            };
-            if !space.line_free(&pair[0], &pair[1]) {
-                let blamed = space.path_touched(pair).unwrap_or_default();
-                return obstructed(what, blamed);
-            }
+        if resting.rows_free(&rows[..=from]) && strict.rows_free(&rows[from..=to]) && resting.rows_free(&rows[to..]) {
+            return Ok(Ok(timed));
         }
-        Ok(Ok(timed))
+        let blamed = resting.path_touched(rows).unwrap_or_default();
+        obstructed(what, blamed)
     }
 
     /// Finds a spot that the hand can reach with the object and leave without it.

@@ -34,7 +34,8 @@ pub(crate) fn read(
             let keys = format!("{keys}.quaternion");
             numbers::finite(source, &keys, "quaternion", &q)?;
             let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-            if !(1e-6..=1e6).contains(&length) {
+            // Rounded to two digits is close enough; farther off it is no rotation, but a mistake.
+            if !(0.99..=1.01).contains(&length) {
                 return Err(source
                     .error(&keys, format!("a quaternion of length {}", numbers::shown(length)))
                     .expected("length 1")

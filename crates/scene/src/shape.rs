@@ -157,7 +157,7 @@ impl<'a> Reader<'a> {
             Key::Sphere(s) => one(Convex::Sphere { radius: size("radius", s.radius)? }),
             Key::Points(p) => {
                 let radius = size("radius", p.radius)?;
-                self.points(&keys, p, radius)
+                self.points(&keys, whose, p, radius)
             }
             Key::Mesh(m) => self.mesh(&keys, whose, m),
             Key::Compound(parts) => self.compound(&keys, whose, parts),
@@ -201,20 +201,21 @@ impl<'a> Reader<'a> {
     }
 
     /// The file that the key `file` of the mapping at `keys` names.
-    fn resolve(&mut self, keys: &str, file: &str) -> Result<PathBuf, FileError> {
+    fn resolve(&mut self, keys: &str, whose: &str, file: &str) -> Result<PathBuf, FileError> {
         let keys = format!("{keys}.file");
+        let wrong = |error| self.source.reference(&keys, error).about(whose);
         let root = match self.root.take() {
             Some(root) => root,
-            None => Root::new(self.directory).map_err(|e| self.source.reference(&keys, e))?,
+            None => Root::new(self.directory).map_err(wrong)?,
         };
-        let path = root.resolve(file).map_err(|e| self.source.reference(&keys, e));
+        let path = root.resolve(file).map_err(wrong);
         self.root = Some(root);
         path
     }
 
-    fn points(&mut self, keys: &str, cloud: &PointsKeys, radius: f64) -> Result<Vec<(Pose, Convex)>, FileError> {
-        let path = self.resolve(keys, &cloud.file)?;
-        let points = points::load(&path).map_err(|e| self.source.reference(&format!("{keys}.file"), e))?;
+    fn points(&mut self, keys: &str, whose: &str, cloud: &PointsKeys, radius: f64) -> Result<Vec<(Pose, Convex)>, FileError> {
+        let path = self.resolve(keys, whose, &cloud.file)?;
+        let points = points::load(&path).map_err(|e| self.source.reference(&format!("{keys}.file"), e).about(whose))?;
         Ok(points.into_iter().map(|p| (Pose::from_translation(Vec3::from(p)), Convex::Sphere { radius })).collect())
     }
 
@@ -234,9 +235,9 @@ impl<'a> Reader<'a> {
                     .help("a mesh in millimetres has the scale 0.001"));
             }
         }
-        let path = self.resolve(keys, &named.file)?;
+        let path = self.resolve(keys, whose, &named.file)?;
         if !self.hulls.contains_key(&path) {
-            let wrong = |error| self.source.reference(&format!("{keys}.file"), error);
+            let wrong = |error| self.source.reference(&format!("{keys}.file"), error).about(whose);
             let mesh = mesh::load(&path, &mut self.budget).map_err(wrong)?;
             let vertices: Vec<Vec3> = mesh.vertices.into_iter().map(Vec3::from).collect();
             let hulls = connected_hulls(&vertices, &mesh.triangles).map_err(|error| {

@@ -70,7 +70,9 @@ pub(crate) fn stages(
         let is_last = !plan.steps[index + 1..].iter().any(|s| s.object == step.object);
         let rest = match (step.action, is_last) {
             (Action::PickPlace, true) => Rest::InPlace,
-            _ => Rest::InPlaceOrOn(rest::carriers(case, &standing, object, &from).into_iter().map(str::to_owned).collect()),
+            _ => Rest::InPlaceOrOn(
+                rest::carriers(case, &standing, object, &from).into_iter().map(str::to_owned).collect(),
+            ),
         };
         let end = of_step.last().map_or(time, |t| t.start + t.segment.times.last().copied().unwrap_or(0.0));
         placement::check_placed(case, &standing, object, &to, &rest, Place::step(index, end), report);
@@ -106,7 +108,11 @@ impl Walk<'_> {
             let may = must || kind == SegmentKind::Push || grasp == Some(i) || i == release;
             let now = track.segment.attached.as_ref().and_then(|attached| {
                 if !may {
-                    report.at(ViolationKind::Attachment, track.place(), format!("{} is attached in a {kind:?} segment, in which nothing is held", attached.object));
+                    report.at(
+                        ViolationKind::Attachment,
+                        track.place(),
+                        format!("{} is attached in a {kind:?} segment, in which nothing is held", attached.object),
+                    );
                 }
                 self.held(attached, track, (&carried_from, &carried_to), report)
             });
@@ -119,7 +125,11 @@ impl Walk<'_> {
                     self.taken(taken, if gone { &self.to } else { &self.from }, track, standing, report);
                 }
                 (Some(before), Some(after)) if !same_hold(before, after) => {
-                    report.at(ViolationKind::Attachment, track.place(), format!("{} changes its pose in the hand", self.step.object));
+                    report.at(
+                        ViolationKind::Attachment,
+                        track.place(),
+                        format!("{} changes its pose in the hand", self.step.object),
+                    );
                 }
                 (Some(before), None) => {
                     self.let_go(before, self.of_step[i - 1], &without, report);
@@ -152,7 +162,13 @@ impl Walk<'_> {
         standing[self.object] = Some(self.to);
     }
 
-    fn held(&self, attached: &Attached, track: &Track, (from, to): (&[String], &[String]), report: &mut Report) -> Option<Held> {
+    fn held(
+        &self,
+        attached: &Attached,
+        track: &Track,
+        (from, to): (&[String], &[String]),
+        report: &mut Report,
+    ) -> Option<Held> {
         if attached.object != self.step.object {
             let what = format!("{} is attached in a step of {}", attached.object, self.step.object);
             report.at(ViolationKind::Attachment, track.place(), what);
@@ -167,7 +183,10 @@ impl Walk<'_> {
                 put_on: (self.to, to.to_vec()),
             }),
             _ => {
-                let what = format!("{} is attached to {:?}; expected a link of the URDF and a valid pose", attached.object, attached.tool);
+                let what = format!(
+                    "{} is attached to {:?}; expected a link of the URDF and a valid pose",
+                    attached.object, attached.tool
+                );
                 report.at(ViolationKind::Attachment, track.place(), what);
                 None
             }
@@ -184,7 +203,8 @@ impl Walk<'_> {
         let found = self.pose_at(held, &track.postures[0]);
         let (away, turned) = apart(&found, stood);
         if !(away <= SAME_PLACE + ROUNDING && turned <= SAME_TURN) {
-            let what = format!("{} is gripped {:.1} mm and {turned:.3} rad from where it stands", object.id, away * 1e3);
+            let what =
+                format!("{} is gripped {:.1} mm and {turned:.3} rad from where it stands", object.id, away * 1e3);
             report.at(ViolationKind::Teleport, track.at(0), what);
         }
         let mut without = standing.clone();
@@ -192,7 +212,11 @@ impl Walk<'_> {
         for (i, above) in self.case.objects.iter().enumerate() {
             let Some(at) = standing[i].filter(|_| i != self.object) else { continue };
             if rest::rests_on(above, &at, object, stood) && rest::carriers(self.case, &without, i, &at).is_empty() {
-                report.at(ViolationKind::Unsupported, track.at(0), format!("{} stands on {}, which is taken from under it", above.id, object.id));
+                report.at(
+                    ViolationKind::Unsupported,
+                    track.at(0),
+                    format!("{} stands on {}, which is taken from under it", above.id, object.id),
+                );
             }
         }
     }
@@ -211,7 +235,11 @@ impl Walk<'_> {
                 .map(|g| g.distance)
                 .fold(f64::INFINITY, f64::min);
             if nearest > GRIP + ROUNDING {
-                let what = format!("{} is {:.1} mm from the hand that holds it; expected at most 5 mm", object.id, nearest * 1e3);
+                let what = format!(
+                    "{} is {:.1} mm from the hand that holds it; expected at most 5 mm",
+                    object.id,
+                    nearest * 1e3
+                );
                 report.at(ViolationKind::Grip, track.at(row), what);
                 return;
             }
@@ -233,10 +261,18 @@ impl Walk<'_> {
         let bottom = extent(&object.pieces, &found).0.z;
         let on_place = placement::place_under(self.case, &object.pieces, &found, 2.0 * rest::REST).is_some();
         if on_place || !rest::carriers(self.case, without, self.object, &found).is_empty() {
-            let what = format!("{} is let go {:.1} mm and {turned:.3} rad from where `placed` says", object.id, moved.length() * 1e3);
+            let what = format!(
+                "{} is let go {:.1} mm and {turned:.3} rad from where `placed` says",
+                object.id,
+                moved.length() * 1e3
+            );
             report.at(ViolationKind::PutDown, track.at(row), what);
         } else {
-            let what = format!("{} is let go in mid-air, its bottom at z = {bottom:.4} m, {:.1} mm from where `placed` says", object.id, moved.length() * 1e3);
+            let what = format!(
+                "{} is let go in mid-air, its bottom at z = {bottom:.4} m, {:.1} mm from where `placed` says",
+                object.id,
+                moved.length() * 1e3
+            );
             report.at(ViolationKind::LetGo, track.at(row), what);
         }
     }

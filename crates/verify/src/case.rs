@@ -36,17 +36,25 @@ impl Case {
         let model = urdf::read(&plan.robot.urdf, &mut meshes)?;
         let world_from_root = shapes::pose_from_keys(&plan.scene.robot.base)
             .ok_or_else(|| CannotJudge::Scene { place: "robot.base".to_owned(), what: "no valid pose".to_owned() })?;
-        let mut things = |bodies: &[Body], what: &str| bodies.iter().map(|b| thing(b, what, &mut meshes)).collect::<Result<Vec<_>, _>>();
+        let mut things = |bodies: &[Body], what: &str| {
+            bodies.iter().map(|b| thing(b, what, &mut meshes)).collect::<Result<Vec<_>, _>>()
+        };
         let fixtures = things(&plan.scene.fixtures, "fixture")?;
         let objects = things(&plan.scene.objects, "object")?;
         for place in &plan.scene.place {
             if !place.size.iter().chain(&place.position).all(|v| v.is_finite()) {
-                return Err(CannotJudge::Scene { place: format!("place {:?}", place.id), what: "numbers that are not finite".to_owned() });
+                return Err(CannotJudge::Scene {
+                    place: format!("place {:?}", place.id),
+                    what: "numbers that are not finite".to_owned(),
+                });
             }
         }
         for (i, object) in objects.iter().enumerate() {
             if objects[..i].iter().any(|o| o.id == object.id) {
-                return Err(CannotJudge::Scene { place: format!("object {:?}", object.id), what: "two objects have this id".to_owned() });
+                return Err(CannotJudge::Scene {
+                    place: format!("object {:?}", object.id),
+                    what: "two objects have this id".to_owned(),
+                });
             }
         }
         Ok(Self { model, world_from_root, fixtures, objects, places: plan.scene.place.clone() })

@@ -19,7 +19,10 @@ pub(crate) fn check_lower_bound(plan: &PlanFile, report: &mut Report) {
     let no_barriers = bound.proof.get("barriers").and_then(|b| b.as_array()).is_some_and(Vec::is_empty);
     if bound.kind == "geometric" && no_barriers {
         if bound.removed > 1 {
-            report.plan(ViolationKind::LowerBound, format!("no barriers prove a bound of 1, the target; {} is claimed", bound.removed));
+            report.plan(
+                ViolationKind::LowerBound,
+                format!("no barriers prove a bound of 1, the target; {} is claimed", bound.removed),
+            );
         }
     } else {
         report.not_checked.push(format!("the {:?} proof that at least {} must be removed", bound.kind, bound.removed));
@@ -42,7 +45,11 @@ pub(crate) fn check_region(plan: &PlanFile, case: &Case, names: &Names, tracks: 
         };
         if let Some((row, at)) = track.postures.iter().enumerate().find_map(|(row, p)| Some((row, outside(p)?))) {
             let name = &case.model.links[base].name;
-            report.at(ViolationKind::Region, track.at(row), format!("{name} is at ({:.3}, {:.3}), outside the region", at.x, at.y));
+            report.at(
+                ViolationKind::Region,
+                track.at(row),
+                format!("{name} is at ({:.3}, {:.3}), outside the region", at.x, at.y),
+            );
         }
     }
 }

@@ -27,8 +27,24 @@ enum Owner {
     Object(usize),
 }
 
-pub(crate) fn check(case: &Case, names: &Names, track: &Track, stage: &Stage, budget: &Budget, report: &mut Report) -> Result<(), CannotJudge> {
-    let mut watch = Watch { case, names, stage, movers: Vec::new(), owners: Vec::new(), pairs: Vec::new(), subjects: Vec::new(), index: HashMap::new() };
+pub(crate) fn check(
+    case: &Case,
+    names: &Names,
+    track: &Track,
+    stage: &Stage,
+    budget: &Budget,
+    report: &mut Report,
+) -> Result<(), CannotJudge> {
+    let mut watch = Watch {
+        case,
+        names,
+        stage,
+        movers: Vec::new(),
+        owners: Vec::new(),
+        pairs: Vec::new(),
+        subjects: Vec::new(),
+        index: HashMap::new(),
+    };
     watch.fill();
     let Watch { movers, pairs, subjects, .. } = watch;
     let mut sweep = Sweep::new(case, track, &movers);
@@ -79,7 +95,13 @@ impl<'a> Watch<'a> {
             .iter()
             .enumerate()
             .map(|(i, f)| (Owner::Fixture(i), &f.pieces[..], f.pose))
-            .chain(case.objects.iter().zip(&stage.standing).enumerate().filter_map(|(i, (o, pose))| Some((Owner::Object(i), &o.pieces[..], (*pose)?))))
+            .chain(
+                case.objects
+                    .iter()
+                    .zip(&stage.standing)
+                    .enumerate()
+                    .filter_map(|(i, (o, pose))| Some((Owner::Object(i), &o.pieces[..], (*pose)?))),
+            )
             .collect();
         for first in 0..self.movers.len() {
             let owner = self.owners[first];
@@ -87,10 +109,19 @@ impl<'a> Watch<'a> {
                 if self.may_touch(owner, other) {
                     continue;
                 }
-                let forgiven = stage.held.as_ref().filter(|_| matches!(owner, Owner::Held(_))).and_then(|held| self.forgiven(held, other));
+                let forgiven = stage
+                    .held
+                    .as_ref()
+                    .filter(|_| matches!(owner, Owner::Held(_)))
+                    .and_then(|held| self.forgiven(held, other));
                 let subject = self.subject(owner, other);
                 for piece in pieces {
-                    self.pairs.push(Pair { first, second: Other::Still { piece, world_from_owner }, subject, forgiven: forgiven.clone() });
+                    self.pairs.push(Pair {
+                        first,
+                        second: Other::Still { piece, world_from_owner },
+                        subject,
+                        forgiven: forgiven.clone(),
+                    });
                 }
             }
             for second in first + 1..self.movers.len() {

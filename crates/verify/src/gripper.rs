@@ -23,18 +23,30 @@ pub(crate) fn check(model: &Model, names: &Names, tracks: &[Track], report: &mut
             if let Some(end) = last
                 && (value(0) - end).abs() > SAME
             {
-                report.at(ViolationKind::Gripper, track.at(0), format!("{name} jumps from {end:.4} to {:.4} between segments", value(0)));
+                report.at(
+                    ViolationKind::Gripper,
+                    track.at(0),
+                    format!("{name} jumps from {end:.4} to {:.4} between segments", value(0)),
+                );
             }
             let rows = track.postures.len();
             let may_change = matches!(track.segment.kind, SegmentKind::Grasp | SegmentKind::Release);
             if !may_change && let Some(row) = (1..rows).find(|r| (value(*r) - value(0)).abs() > SAME) {
-                let what = format!("{name} changes from {:.4} to {:.4}; only grasp and release may change it", value(0), value(row));
+                let what = format!(
+                    "{name} changes from {:.4} to {:.4}; only grasp and release may change it",
+                    value(0),
+                    value(row)
+                );
                 report.at(ViolationKind::Gripper, track.at(row), what);
             }
             if let Some((low, high)) = data.range
                 && let Some(row) = (0..rows).find(|r| !(low - SAME..=high + SAME).contains(&value(*r)))
             {
-                report.at(ViolationKind::Gripper, track.at(row), format!("{name} at {:.4}; its limits are {low} to {high}", value(row)));
+                report.at(
+                    ViolationKind::Gripper,
+                    track.at(row),
+                    format!("{name} at {:.4}; its limits are {low} to {high}", value(row)),
+                );
             }
             let speed = |row: usize| {
                 let apart = track.segment.times[row] - track.segment.times[row - 1];
@@ -43,7 +55,11 @@ pub(crate) fn check(model: &Model, names: &Names, tracks: &[Track], report: &mut
             if let Some(limit) = data.velocity
                 && let Some(row) = (1..rows).find(|r| speed(*r) > limit * 1.001 + 1e-6)
             {
-                report.at(ViolationKind::Gripper, track.at(row), format!("{name} moves at {:.3}/s; the URDF allows {limit}/s", speed(row)));
+                report.at(
+                    ViolationKind::Gripper,
+                    track.at(row),
+                    format!("{name} moves at {:.3}/s; the URDF allows {limit}/s", speed(row)),
+                );
             }
             last = Some(value(rows - 1));
         }

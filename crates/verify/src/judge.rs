@@ -20,7 +20,10 @@ pub fn verify(plan: &PlanFile, plan_directory: &Path, budget: &Budget) -> Result
     }
     if plan.status != Status::Solved || plan.steps.is_empty() {
         let status = serde_json::to_string(&plan.status).unwrap_or_default();
-        report.plan(ViolationKind::NotSolved, format!("no plan to judge: the status is {status}, with {} steps", plan.steps.len()));
+        report.plan(
+            ViolationKind::NotSolved,
+            format!("no plan to judge: the status is {status}, with {} steps", plan.steps.len()),
+        );
         return Ok(report);
     }
     let case = Case::new(plan, plan_directory)?;

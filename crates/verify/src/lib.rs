@@ -2,8 +2,8 @@
 //! contract: structure, limits, what may go unchecked, what is held and where it is put down, and
 //! that nothing touches anything at any instant.
 //!
-//! Shares no kinematics, collision or interpolation code with the planner: it has its own forward
-//! kinematics ([`model`](self)), exact shapes from `parry3d-f64`, and its own interpolation.
+//! Shares no kinematics, collision or interpolation code with the planner: it has its own reading of
+//! URDFs and forward kinematics, exact shapes from `parry3d-f64`, and its own interpolation.
 //! SI units, world frame with z up. Touching means overlapping by more than 0.1 mm.
 //!
 //! ```no_run

@@ -30,19 +30,35 @@ pub(crate) fn check(plan: &PlanFile, model: &Model, names: &Names, tracks: &[Tra
                     let what = format!("limits.velocity of {name} is {limit}; the URDF allows {urdf}");
                     report.plan(ViolationKind::DeclaredLimit, what);
                 }
-                worst_by_segment(report, ViolationKind::VelocityLimit, speeds.iter().map(|s| (s.place, s.velocity.abs())), limit, ABSOLUTE, |v| {
-                    format!("{name} moves at {v:.4}/s; its limit is {limit}/s")
-                });
+                worst_by_segment(
+                    report,
+                    ViolationKind::VelocityLimit,
+                    speeds.iter().map(|s| (s.place, s.velocity.abs())),
+                    limit,
+                    ABSOLUTE,
+                    |v| format!("{name} moves at {v:.4}/s; its limit is {limit}/s"),
+                );
             }
-            other => report.plan(ViolationKind::DeclaredLimit, format!("limits.velocity of {name} is {other:?}; expected a positive number")),
+            other => report.plan(
+                ViolationKind::DeclaredLimit,
+                format!("limits.velocity of {name} is {other:?}; expected a positive number"),
+            ),
         }
         match limits.acceleration.get(name) {
             Some(&limit) if limit.is_finite() && limit > 0.0 => {
-                worst_by_segment(report, ViolationKind::AccelerationLimit, accelerations(&speeds).into_iter(), limit, ABSOLUTE_ACCELERATION, |a| {
-                    format!("{name} accelerates at {a:.4}/s²; its limit is {limit}/s²")
-                });
+                worst_by_segment(
+                    report,
+                    ViolationKind::AccelerationLimit,
+                    accelerations(&speeds).into_iter(),
+                    limit,
+                    ABSOLUTE_ACCELERATION,
+                    |a| format!("{name} accelerates at {a:.4}/s²; its limit is {limit}/s²"),
+                );
             }
-            other => report.plan(ViolationKind::DeclaredLimit, format!("limits.acceleration of {name} is {other:?}; expected a positive number")),
+            other => report.plan(
+                ViolationKind::DeclaredLimit,
+                format!("limits.acceleration of {name} is {other:?}; expected a positive number"),
+            ),
         }
     }
 }
@@ -52,7 +68,10 @@ fn positions(model: &Model, joint: usize, tracks: &[Track], report: &mut Report)
     for track in tracks {
         let outside = |row: &Vec<f64>| !(low - ABSOLUTE..=high + ABSOLUTE).contains(&row[joint]);
         if let Some(row) = track.postures.iter().position(outside) {
-            let what = format!("{} at {:.5}; its limits are {low} to {high}", model.joints[joint].name, track.postures[row][joint]);
+            let what = format!(
+                "{} at {:.5}; its limits are {low} to {high}",
+                model.joints[joint].name, track.postures[row][joint]
+            );
             report.at(ViolationKind::PositionLimit, track.at(row), what);
         }
     }
@@ -82,7 +101,9 @@ fn speeds(joint: usize, tracks: &[Track]) -> Vec<Speed> {
 
 fn accelerations(speeds: &[Speed]) -> Vec<(Place, f64)> {
     let (Some(first), Some(last)) = (speeds.first(), speeds.last()) else { return Vec::new() };
-    let between = speeds.windows(2).map(|w| (w[1].place, 2.0 * (w[1].velocity - w[0].velocity).abs() / (w[0].seconds + w[1].seconds)));
+    let between = speeds
+        .windows(2)
+        .map(|w| (w[1].place, 2.0 * (w[1].velocity - w[0].velocity).abs() / (w[0].seconds + w[1].seconds)));
     std::iter::once((first.place, 2.0 * first.velocity.abs() / first.seconds))
         .chain(between)
         .chain([(last.place, 2.0 * last.velocity.abs() / last.seconds)])

@@ -121,7 +121,9 @@ impl Model {
         let joints: Vec<usize> = side_a.iter().chain(&side_b).filter_map(|l| self.links[*l].joint).collect();
         let moving = joints.iter().filter(|j| self.joints[**j].moves()).count();
         let between = side_a.iter().chain(&side_b).chain([meet]).filter(|l| **l != a && **l != b);
-        joints.len() <= 1 || moving == 0 || (moving == 1 && between.into_iter().all(|l| self.links[*l].pieces.is_empty()))
+        joints.len() <= 1
+            || moving == 0
+            || (moving == 1 && between.into_iter().all(|l| self.links[*l].pieces.is_empty()))
     }
 
     /// The root, and links fixed to it as long as those above have no shape: what is mounted.
@@ -135,5 +137,90 @@ impl Model {
             at = parent;
         }
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::meshes::Meshes;
+    use crate::urdf;
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+    use std::path::Path;
+
+    pub(crate) fn model(text: &str) -> Model {
+        urdf::read(text, &mut Meshes::new(&[], Path::new(""))).expect("a URDF")
+    }
+
+    const TREE: &str = r#"<robot name="tree">
+      <link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+      <joint name="j1" type="revolute"><parent link="base"/><child link="a"/><origin xyz="0.1 0.2 0.3" rpy="0.3 -0.7 1.1"/>
+        <axis xyz="0.6 0 0.8"/><limit lower="-3" upper="3" velocity="1" effort="1"/></joint>
+      <link name="a"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+      <joint name="j2" type="continuous"><parent link="a"/><child link="b"/><origin xyz="0 0.5 0" rpy="1.5 0 0"/><axis xyz="0 1 0"/></joint>
+      <link name="b"/>
+      <joint name="f" type="fixed"><parent link="b"/><child link="c"/><origin xyz="0.05 0 0.4" rpy="0 0.4 0"/></joint>
+      <link name="c"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+      <joint name="j3" type="prismatic"><parent link="c"/><child link="d"/><origin rpy="0 0 2"/><axis xyz="0 0 2"/>
+        <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+      <link name="d"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+      <joint name="j4" type="revolute"><parent link="c"/><child link="e"/><origin xyz="1 0 0"/><axis xyz="1 0 0"/>
+        <limit lower="-3" upper="3" velocity="1" effort="1"/><mimic joint="j1" multiplier="-0.5" offset="0.2"/></joint>
+      <link name="e"/>
+    </robot>"#;
+
+    #[test]
+    fn agrees_with_k() {
+        let model = model(TREE);
+        let file = tempfile::Builder::new().suffix(".urdf").tempfile().expect("a file");
+        std::fs::write(file.path(), TREE).expect("written");
+        let chain = k::Chain::<f64>::from_urdf_file(file.path()).expect("a URDF");
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(4);
+        let root = Pose::IDENTITY;
+        for _ in 0..200 {
+            let mut posture = vec![0.0; model.joints.len()];
+            for name in ["j1", "j2", "j3"] {
+                let value = random.random_range(-1.0..1.0);
+                posture[model.joint(name).expect("a joint")] = value;
+                chain.find(name).expect("a joint").set_joint_position_unchecked(value);
+            }
+            model.follow(&mut posture);
+            let follower = posture[model.joint("j4").expect("a joint")];
+            chain.find("j4").expect("a joint").set_joint_position_unchecked(follower);
+            chain.update_transforms();
+            let mut poses = Vec::new();
+            model.link_poses(&root, &posture, &mut poses);
+            for (link, pose) in model.links.iter().zip(&poses) {
+                let theirs = chain.find_link(&link.name).and_then(|n| n.world_transform()).expect("a pose");
+                let q = theirs.rotation.quaternion();
+                let turn = pose.rotation.dot(Rotation::from_xyzw(q.i, q.j, q.k, q.w)).abs();
+                let away = (pose.translation - Vector::from_array(theirs.translation.vector.into())).length();
+                assert!(away < 1e-12 && 1.0 - turn < 1e-12, "{}: {away} {turn}", link.name);
+            }
+        }
+    }
+
+    #[test]
+    fn mimics_follow_their_leader() {
+        let model = model(TREE);
+        let mut posture = vec![0.0; model.joints.len()];
+        posture[model.joint("j1").expect("a joint")] = 1.0;
+        model.follow(&mut posture);
+        assert!((posture[model.joint("j4").expect("a joint")] + 0.3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn adjacent_links() {
+        let model = model(TREE);
+        let adjacent =
+            |a: &str, b: &str| model.adjacent(model.link(a).expect("a link"), model.link(b).expect("a link"));
+        assert!(adjacent("base", "a"), "a joint joins them");
+        assert!(adjacent("a", "c"), "b between has no shape, and f is fixed");
+        assert!(adjacent("c", "d"));
+        assert!(adjacent("b", "c"), "nothing between them moves");
+        assert!(!adjacent("base", "c"), "a is between");
+        assert!(!adjacent("a", "d"), "c is between");
+        assert!(!adjacent("d", "e"), "two joints between them move");
     }
 }

@@ -37,22 +37,22 @@ pub(crate) fn resolve(plan: &PlanFile, model: &Model, report: &mut Report) -> Op
     let mut gripper = Vec::new();
     for name in gripper_names {
         match leading_joint(model, name) {
-            Ok(joint) if columns.contains(&joint) => bad(format!("the gripper's joint {name} is also one of robot.joints")),
-            Ok(joint) if robot.fixed.contains_key(name) => {
-                if robot.hand.joint.as_ref() != Some(name) {
-                    bad(format!("{name} is given as gripper and as fixed"));
-                }
-                gripper.push(joint);
+            Ok(joint) if columns.contains(&joint) => {
+                bad(format!("the gripper's joint {name} is also one of robot.joints"))
+            }
+            // A hand's joint may have a resting value; segments say otherwise.
+            Ok(_) if robot.fixed.contains_key(name) && robot.hand.joint.as_ref() != Some(name) => {
+                bad(format!("{name} is given as gripper and as fixed"));
             }
             Ok(joint) => gripper.push(joint),
-            Err(why) => bad(format!("the gripper's joint {name} is a name {why}")),
+            Err(why) => bad(format!("the gripper's joint is {name}, {why}")),
         }
     }
     let mut fixed = vec![0.0; model.joints.len()];
     for (name, value) in &robot.fixed {
         match leading_joint(model, name) {
             Ok(joint) if columns.contains(&joint) => bad(format!("{name} is one of robot.joints and fixed")),
-            Ok(joint) if !value.is_finite() => bad(format!("{name} is fixed at {value}, joint {joint}")),
+            Ok(_) if !value.is_finite() => bad(format!("{name} is fixed at {value}; expected a finite number")),
             Ok(joint) => fixed[joint] = *value,
             Err(why) => bad(format!("robot.fixed names {name}, {why}")),
         }

@@ -24,12 +24,18 @@ pub(crate) enum Rest {
 }
 
 /// At the start, everything rests and nothing overlaps.
-pub(crate) fn check_start(case: &Case, standing: &Standing, budget: &Budget, report: &mut Report) -> Result<(), CannotJudge> {
+pub(crate) fn check_start(
+    case: &Case,
+    standing: &Standing,
+    budget: &Budget,
+    report: &mut Report,
+) -> Result<(), CannotJudge> {
     for (i, object) in case.objects.iter().enumerate() {
         budget.check()?;
         let at = object.pose;
         if rest::carriers(case, standing, i, &at).is_empty() {
-            report.plan(ViolationKind::Unsupported, format!("at the start nothing is under {}, within 1 mm", object.id));
+            report
+                .plan(ViolationKind::Unsupported, format!("at the start nothing is under {}, within 1 mm", object.id));
         }
         for (other, gap) in rest::overlaps(case, standing, i, &at) {
             // Each pair of objects once.
@@ -42,7 +48,15 @@ pub(crate) fn check_start(case: &Case, standing: &Standing, budget: &Budget, rep
 }
 
 /// `placed` of a step whose object now is at `at`; everything else stands as `standing` says.
-pub(crate) fn check_placed(case: &Case, standing: &Standing, object: usize, at: &Pose, rest: &Rest, place: Place, report: &mut Report) {
+pub(crate) fn check_placed(
+    case: &Case,
+    standing: &Standing,
+    object: usize,
+    at: &Pose,
+    rest: &Rest,
+    place: Place,
+    report: &mut Report,
+) {
     let thing = &case.objects[object];
     let tilt = (at.rotation * Vector::Z).angle_between(Vector::Z);
     if tilt > UPRIGHT {
@@ -53,20 +67,27 @@ pub(crate) fn check_placed(case: &Case, standing: &Standing, object: usize, at: 
     }
     let carried_as_before = match rest {
         Rest::InPlace => false,
-        Rest::InPlaceOrOn(before) => rest::carriers(case, standing, object, at).iter().any(|c| before.iter().any(|b| b == c)),
+        Rest::InPlaceOrOn(before) => {
+            rest::carriers(case, standing, object, at).iter().any(|c| before.iter().any(|b| b == c))
+        }
     };
     if carried_as_before || place_under(case, &thing.pieces, at, REST).is_some() {
         return;
     }
     let (low, high) = extent(&thing.pieces, at);
-    let footprint = format!("its footprint is [{:.4}, {:.4}] to [{:.4}, {:.4}], its bottom at z = {:.4} m", low.x, low.y, high.x, high.y, low.z);
+    let footprint = format!(
+        "its footprint is [{:.4}, {:.4}] to [{:.4}, {:.4}], its bottom at z = {:.4} m",
+        low.x, low.y, high.x, high.y, low.z
+    );
     let inside = case.places.iter().find(|p| over_edge(p, low, high) <= OVER_EDGE + ROUNDING);
     if let Some(area) = inside {
-        let what = format!("{} is placed {:.1} mm above {}; {footprint}", thing.id, (low.z - area.position[2]) * 1e3, area.id);
+        let what =
+            format!("{} is placed {:.1} mm above {}; {footprint}", thing.id, (low.z - area.position[2]) * 1e3, area.id);
         report.at(ViolationKind::Unsupported, place, what);
     } else {
         let least = case.places.iter().map(|p| over_edge(p, low, high)).fold(f64::INFINITY, f64::min);
-        let what = format!("{} is placed outside every place, by {:.1} mm at least; {footprint}", thing.id, least * 1e3);
+        let what =
+            format!("{} is placed outside every place, by {:.1} mm at least; {footprint}", thing.id, least * 1e3);
         report.at(ViolationKind::OffPlace, place, what);
     }
 }
@@ -83,7 +104,9 @@ pub(crate) fn place_under<'a>(case: &'a Case, pieces: &[Piece], at: &Pose, heigh
 fn over_edge(place: &PlaceArea, low: Vector, high: Vector) -> f64 {
     let [x, y, _] = place.position;
     let [half_x, half_y] = place.size.map(|s| s / 2.0);
-    [x - half_x - low.x, high.x - x - half_x, y - half_y - low.y, high.y - y - half_y].into_iter().fold(f64::NEG_INFINITY, f64::max)
+    [x - half_x - low.x, high.x - x - half_x, y - half_y - low.y, high.y - y - half_y]
+        .into_iter()
+        .fold(f64::NEG_INFINITY, f64::max)
 }
 
 fn overlap(a: &str, b: &str, distance: f64, point: Vector) -> String {

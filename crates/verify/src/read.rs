@@ -32,7 +32,22 @@ const SHAPES: &[&str] = &["box", "cylinder", "sphere", "capsule", "mesh", "point
 
 /// Takes away keys that `clearway-scene/1` does not know.
 fn prune_scene(scene: &mut Value) {
-    keep(scene, &[&["format", "name", "frame", "robot", "fixtures", "objects", "target", "place", "workspace", "exit", "camera"]]);
+    keep(
+        scene,
+        &[&[
+            "format",
+            "name",
+            "frame",
+            "robot",
+            "fixtures",
+            "objects",
+            "target",
+            "place",
+            "workspace",
+            "exit",
+            "camera",
+        ]],
+    );
     within(scene, "robot", |robot| {
         keep(robot, &[&["model", "base", "start", "region"]]);
         within(robot, "base", |base| keep(base, &[POSE]));
@@ -69,7 +84,10 @@ fn prune_shapes(body: &mut Value) {
 fn keep(value: &mut Value, known: &[&[&str]]) {
     if let Value::Object(map) = value {
         let all = std::mem::take(map);
-        *map = all.into_iter().filter(|(key, _)| known.iter().any(|keys| keys.contains(&key.as_str()))).collect::<Map<_, _>>();
+        *map = all
+            .into_iter()
+            .filter(|(key, _)| known.iter().any(|keys| keys.contains(&key.as_str())))
+            .collect::<Map<_, _>>();
     }
 }
 

@@ -28,7 +28,11 @@ pub(crate) fn rests_on(above: &Thing, at: &Pose, below: &Thing, below_at: &Pose)
 }
 
 /// Everything that stands still, other than one object, with its pose.
-pub(crate) fn others<'a>(case: &'a Case, standing: &'a Standing, except: usize) -> impl Iterator<Item = (&'a Thing, Pose)> {
+pub(crate) fn others<'a>(
+    case: &'a Case,
+    standing: &'a Standing,
+    except: usize,
+) -> impl Iterator<Item = (&'a Thing, Pose)> {
     let objects = case.objects.iter().zip(standing).enumerate();
     let objects = objects.filter_map(move |(i, (thing, pose))| (i != except).then_some((thing, (*pose)?)));
     case.fixtures.iter().map(|f| (f, f.pose)).chain(objects)

@@ -13,7 +13,12 @@ const MOST_APART: f64 = 0.02 + 1e-9;
 const SAME: f64 = 1e-6;
 
 /// Every segment as a track; `None` when a row cannot be read as a posture.
-pub(crate) fn tracks<'a>(plan: &'a PlanFile, model: &Model, names: &Names, report: &mut Report) -> Option<Vec<Track<'a>>> {
+pub(crate) fn tracks<'a>(
+    plan: &'a PlanFile,
+    model: &Model,
+    names: &Names,
+    report: &mut Report,
+) -> Option<Vec<Track<'a>>> {
     let before = report.violations.len();
     let mut start = 0.0;
     let mut tracks: Vec<Track> = Vec::new();
@@ -48,7 +53,11 @@ pub(crate) fn tracks<'a>(plan: &'a PlanFile, model: &Model, names: &Names, repor
 
 fn readable(segment: &Segment, width: usize) -> Result<(), String> {
     if segment.times.is_empty() || segment.times.len() != segment.positions.len() {
-        return Err(format!("{} times and {} rows; expected as many, and at least one", segment.times.len(), segment.positions.len()));
+        return Err(format!(
+            "{} times and {} rows; expected as many, and at least one",
+            segment.times.len(),
+            segment.positions.len()
+        ));
     }
     if let Some((i, row)) = segment.positions.iter().enumerate().find(|(_, row)| row.len() != width) {
         return Err(format!("row {i} has {} numbers; expected one for each of {width} joints", row.len()));
@@ -62,7 +71,10 @@ fn readable(segment: &Segment, width: usize) -> Result<(), String> {
             GripperValue::Rows(v) => (v.len(), v.iter().all(|v| v.is_finite())),
         };
         if count != segment.times.len() || !finite {
-            return Err(format!("gripper {name}: {count} values; expected one finite number, or one for each of {} rows", segment.times.len()));
+            return Err(format!(
+                "gripper {name}: {count} values; expected one finite number, or one for each of {} rows",
+                segment.times.len()
+            ));
         }
     }
     Ok(())
@@ -82,7 +94,8 @@ pub(crate) fn check(plan: &PlanFile, model: &Model, names: &Names, tracks: &[Tra
             let jump = (begin[*joint] - end[*joint]).abs();
             if jump > SAME {
                 let name = &model.joints[*joint].name;
-                let what = format!("{name} starts at {:.6}, {jump:.6} from where the last segment ended", begin[*joint]);
+                let what =
+                    format!("{name} starts at {:.6}, {jump:.6} from where the last segment ended", begin[*joint]);
                 report.at(ViolationKind::Continuity, next.at(0), what);
             }
         }
@@ -95,11 +108,19 @@ fn times(track: &Track, report: &mut Report) {
         report.at(ViolationKind::Times, track.at(0), format!("times start at {} s; expected 0", times[0]));
     }
     if let Some(row) = (1..times.len()).find(|i| times[*i] <= times[i - 1]) {
-        report.at(ViolationKind::Times, track.at(row), format!("the time goes from {} s to {} s; expected it to rise", times[row - 1], times[row]));
+        report.at(
+            ViolationKind::Times,
+            track.at(row),
+            format!("the time goes from {} s to {} s; expected it to rise", times[row - 1], times[row]),
+        );
     }
     if let Some(row) = (1..times.len()).find(|i| times[*i] - times[i - 1] > MOST_APART) {
         let apart = times[row] - times[row - 1];
-        report.at(ViolationKind::Times, track.at(row), format!("{apart:.4} s after the row before; expected at most 0.02 s"));
+        report.at(
+            ViolationKind::Times,
+            track.at(row),
+            format!("{apart:.4} s after the row before; expected at most 0.02 s"),
+        );
     }
 }
 
@@ -113,7 +134,11 @@ fn start(plan: &PlanFile, model: &Model, names: &Names, first: &Track, report: &
         let found = first.postures[0][*joint];
         let away = (found - expected).abs();
         if away > SAME || away.is_nan() {
-            report.at(ViolationKind::Start, first.at(0), format!("{name} starts at {found:.6}; the robot is at {expected:.6}"));
+            report.at(
+                ViolationKind::Start,
+                first.at(0),
+                format!("{name} starts at {found:.6}; the robot is at {expected:.6}"),
+            );
         }
     }
 }

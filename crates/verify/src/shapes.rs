@@ -174,7 +174,13 @@ struct Keys<'a> {
 impl Keys<'_> {
     /// Adds what the keys say at `pose`, and returns how many keys there were.
     fn add(&self, pose: Pose, place: &str, meshes: &mut Meshes, pieces: &mut Vec<Piece>) -> Result<usize, CannotJudge> {
-        let before = [self.r#box.is_some(), self.cylinder.is_some(), self.sphere.is_some(), self.capsule.is_some(), self.mesh.is_some()];
+        let before = [
+            self.r#box.is_some(),
+            self.cylinder.is_some(),
+            self.sphere.is_some(),
+            self.capsule.is_some(),
+            self.mesh.is_some(),
+        ];
         if let Some(b) = self.r#box {
             lengths(place, &b.size)?;
             pieces.push(Piece::new(pose, cuboid(b.size)));
@@ -210,7 +216,13 @@ impl Keys<'_> {
 /// The exact pieces of a scene body, in the frame of its shape's centre.
 pub(crate) fn body_pieces(body: &Body, place: &str, meshes: &mut Meshes) -> Result<Vec<Piece>, CannotJudge> {
     let mut pieces = Vec::new();
-    let keys = Keys { r#box: &body.r#box, cylinder: &body.cylinder, sphere: &body.sphere, capsule: &body.capsule, mesh: &body.mesh };
+    let keys = Keys {
+        r#box: &body.r#box,
+        cylinder: &body.cylinder,
+        sphere: &body.sphere,
+        capsule: &body.capsule,
+        mesh: &body.mesh,
+    };
     let mut shapes = keys.add(Pose::IDENTITY, place, meshes, &mut pieces)?;
     if let Some(p) = &body.points {
         shapes += 1;
@@ -225,14 +237,24 @@ pub(crate) fn body_pieces(body: &Body, place: &str, meshes: &mut Meshes) -> Resu
         }
     }
     if shapes != 1 || pieces.is_empty() {
-        return Err(wrong(place, format!("{shapes} shapes; expected one of box, cylinder, sphere, capsule, mesh, points, compound")));
+        return Err(wrong(
+            place,
+            format!("{shapes} shapes; expected one of box, cylinder, sphere, capsule, mesh, points, compound"),
+        ));
     }
     Ok(pieces)
 }
 
 fn part_pieces(part: &Part, place: &str, meshes: &mut Meshes, pieces: &mut Vec<Piece>) -> Result<(), CannotJudge> {
-    let pose = pose_from(part.position, part.rpy, part.quaternion).ok_or_else(|| wrong(place, "no valid pose".to_owned()))?;
-    let keys = Keys { r#box: &part.r#box, cylinder: &part.cylinder, sphere: &part.sphere, capsule: &part.capsule, mesh: &part.mesh };
+    let pose =
+        pose_from(part.position, part.rpy, part.quaternion).ok_or_else(|| wrong(place, "no valid pose".to_owned()))?;
+    let keys = Keys {
+        r#box: &part.r#box,
+        cylinder: &part.cylinder,
+        sphere: &part.sphere,
+        capsule: &part.capsule,
+        mesh: &part.mesh,
+    };
     match keys.add(pose, place, meshes, pieces)? {
         1 => Ok(()),
         n => Err(wrong(place, format!("{n} shapes; expected one of box, cylinder, sphere, capsule, mesh"))),
@@ -248,4 +270,81 @@ fn lengths(place: &str, values: &[f64]) -> Result<(), CannotJudge> {
 
 fn wrong(place: &str, what: String) -> CannotJudge {
     CannotJudge::Scene { place: place.to_owned(), what }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn octahedron(radius: f64) -> Piece {
+        let vertices =
+            [Vector::X, -Vector::X, Vector::Y, -Vector::Y, Vector::Z, -Vector::Z].map(|v| v * radius).to_vec();
+        let faces = vec![[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+        Piece::new(Pose::IDENTITY, surface(&Triangles { vertices, faces }).expect("a mesh"))
+    }
+
+    #[test]
+    fn a_mesh_encloses_what_is_inside() {
+        let (mesh, ball) = (octahedron(1.0), Piece::new(Pose::IDENTITY, sphere(0.1)));
+        for (x, inside) in [(0.0, true), (0.5, true), (0.95, true), (1.05, false), (3.0, false)] {
+            let at = Pose::translation(x, 0.0, 0.0);
+            assert_eq!(mesh.encloses(&Pose::IDENTITY, &ball, &at), inside, "x {x}");
+            assert!(!ball.encloses(&at, &mesh, &Pose::IDENTITY));
+        }
+    }
+
+    #[test]
+    fn extents_are_tight() {
+        let (turn, shape) = cylinder_along_z(0.1, 0.6);
+        let cylinder = [Piece::new(turn, shape)];
+        let near = |found: (Vector, Vector), high: [f64; 3]| {
+            let high = Vector::from(high);
+            assert!((found.1 - high).length() < 1e-9 && (found.0 + high).length() < 1e-9, "{found:?}");
+        };
+        near(extent(&cylinder, &Pose::IDENTITY), [0.1, 0.1, 0.3]);
+        near(extent(&cylinder, &Pose::from_rotation(Rotation::from_rotation_y(FRAC_PI_2))), [0.3, 0.1, 0.1]);
+        let tilt: f64 = 0.4;
+        let reach = 0.3 * tilt.cos() + 0.1 * tilt.sin();
+        let found = extent(&cylinder, &Pose::from_rotation(Rotation::from_rotation_x(tilt)));
+        assert!((found.1.z - reach).abs() < 1e-9);
+        near(extent(&[Piece::new(Pose::IDENTITY, capsule_along_z(0.1, 0.4))], &Pose::IDENTITY), [0.1, 0.1, 0.3]);
+        near(extent(&[octahedron(0.2)], &Pose::IDENTITY), [0.2, 0.2, 0.2]);
+    }
+
+    #[test]
+    fn a_mesh_is_taken_as_the_hulls_of_its_parts() {
+        let corner = |at: f64| {
+            [
+                Vector::splat(at),
+                Vector::splat(at) + Vector::X,
+                Vector::splat(at) + Vector::Y,
+                Vector::splat(at) + Vector::Z,
+            ]
+        };
+        let vertices = [corner(0.0), corner(5.0)].concat();
+        let faces: Vec<[u32; 3]> = [0, 4]
+            .iter()
+            .flat_map(|n| [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(|f| f.map(|i| i + n)))
+            .collect();
+        let parts = convex_parts(&Triangles { vertices, faces }).expect("parts");
+        assert_eq!(parts.len(), 2);
+        assert!(parts.iter().all(|p| p.as_convex_polyhedron().is_some()));
+        // A part may be flat, or no more than a point; it still is somewhere.
+        for third in [Vector::Y, Vector::X * 2.0, Vector::ZERO] {
+            let flat = Triangles { vertices: vec![Vector::ZERO, Vector::X, third], faces: vec![[0, 1, 2]] };
+            let part = convex_parts(&flat).expect("a part").remove(0);
+            let found = gap(&Pose::translation(0.0, 0.0, 0.3), &*part, &*sphere(0.1), 1.0).expect("near");
+            assert!((found.distance - 0.2).abs() < 1e-9, "{third}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn poses_that_are_none() {
+        assert!(pose_from([0.0; 3], None, None).is_some());
+        assert!(pose_from([f64::NAN, 0.0, 0.0], None, None).is_none());
+        assert!(pose_from([0.0; 3], None, Some([0.0; 4])).is_none());
+        assert!(pose_from([0.0; 3], None, Some([f64::NAN; 4])).is_none());
+        assert!(pose_from([0.0; 3], Some([0.0, f64::INFINITY, 0.0]), None).is_none());
+        assert!(pose_from([0.0; 3], Some([0.0; 3]), Some([0.0, 0.0, 0.0, 1.0])).is_none());
+    }
 }

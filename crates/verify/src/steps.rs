@@ -12,7 +12,11 @@ pub(crate) fn check(plan: &PlanFile, case: &Case, report: &mut Report) -> Option
     for (i, step) in plan.steps.iter().enumerate() {
         match case.object(&step.object) {
             Some(object) => objects.push(object),
-            None => report.at(ViolationKind::Steps, Place::step(i, 0.0), format!("the scene has no object {:?}", step.object)),
+            None => report.at(
+                ViolationKind::Steps,
+                Place::step(i, 0.0),
+                format!("the scene has no object {:?}", step.object),
+            ),
         }
         if let Err(what) = order(step) {
             report.at(ViolationKind::Steps, Place::step(i, 0.0), what);

@@ -107,13 +107,21 @@ impl<'a> Sweep<'a> {
     pub fn run(&mut self, pairs: &[Pair<'a>], budget: &Budget) -> Result<Vec<Touch>, CannotJudge> {
         let mut leases: Vec<Lease> = Vec::with_capacity(pairs.len());
         for pair in pairs {
+            budget.check()?;
             let (first_joints, second_joints) = self.joints_between(pair);
             let gap = self.measure(pair, 0, 0.0, LOOK_AHEAD);
             let mut lease = Lease { pair, first_joints, second_joints, until: gap.distance + LEFT_OPEN, found: None };
             self.judge(&mut lease, gap, 0, 0.0);
             if lease.found.is_none() && self.enclosed(pair) {
                 let depth = gap.distance.abs();
-                lease.found = Some(Touch { subject: pair.subject, row: 0, fraction: 0.0, depth, point: gap.point, enclosed: true });
+                lease.found = Some(Touch {
+                    subject: pair.subject,
+                    row: 0,
+                    fraction: 0.0,
+                    depth,
+                    point: gap.point,
+                    enclosed: true,
+                });
             }
             leases.push(lease);
         }
@@ -154,7 +162,14 @@ impl<'a> Sweep<'a> {
     }
 
     /// Measures at the start of the interval, in which the pair moves by at most `length`.
-    fn renew(&mut self, lease: &mut Lease<'a, '_>, row: usize, before: f64, length: f64, budget: &Budget) -> Result<(), CannotJudge> {
+    fn renew(
+        &mut self,
+        lease: &mut Lease<'a, '_>,
+        row: usize,
+        before: f64,
+        length: f64,
+        budget: &Budget,
+    ) -> Result<(), CannotJudge> {
         let gap = self.measure(lease.pair, row, 0.0, length + LOOK_AHEAD);
         self.judge(lease, gap, row, 0.0);
         lease.until = before + gap.distance + LEFT_OPEN;
@@ -168,7 +183,14 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
-    fn halve(&mut self, lease: &mut Lease<'a, '_>, row: usize, (low, high): (f64, f64), length: f64, budget: &Budget) -> Result<(), CannotJudge> {
+    fn halve(
+        &mut self,
+        lease: &mut Lease<'a, '_>,
+        row: usize,
+        (low, high): (f64, f64),
+        length: f64,
+        budget: &Budget,
+    ) -> Result<(), CannotJudge> {
         budget.check()?;
         let middle = 0.5 * (low + high);
         let reach = 0.5 * (high - low) * length;
@@ -196,7 +218,8 @@ impl<'a> Sweep<'a> {
         }
         let depth = -gap.distance;
         if lease.found.is_none_or(|f| depth > f.depth) {
-            lease.found = Some(Touch { subject: lease.pair.subject, row, fraction, depth, point: gap.point, enclosed: false });
+            lease.found =
+                Some(Touch { subject: lease.pair.subject, row, fraction, depth, point: gap.point, enclosed: false });
         }
     }
 
@@ -217,7 +240,8 @@ impl<'a> Sweep<'a> {
             return Gap { distance: balls, point: center };
         }
         self.distances += 1;
-        piece_gap(first.piece, &world_from_first, second, &world_from_second, reach).unwrap_or(Gap { distance: reach, point: center })
+        piece_gap(first.piece, &world_from_first, second, &world_from_second, reach)
+            .unwrap_or(Gap { distance: reach, point: center })
     }
 
     fn enclosed(&mut self, pair: &Pair<'a>) -> bool {
@@ -250,7 +274,8 @@ impl<'a> Sweep<'a> {
     /// link above each of its joints.
     fn bound_travel(&mut self, row: usize, travel: &mut [Vec<f64>]) {
         let (case, track, movers) = (self.case, self.track, self.movers);
-        let delta: Vec<f64> = track.postures[row].iter().zip(&track.postures[row + 1]).map(|(a, b)| (b - a).abs()).collect();
+        let delta: Vec<f64> =
+            track.postures[row].iter().zip(&track.postures[row + 1]).map(|(a, b)| (b - a).abs()).collect();
         let chains = std::mem::take(&mut self.chains);
         let poses = self.poses(row, 0.5);
         for ((mover, chain), out) in movers.iter().zip(&chains).zip(travel) {
@@ -288,3 +313,6 @@ impl<'a> Sweep<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -22,7 +22,13 @@ const NEEDED: f64 = 0.7;
 /// Three standard deviations of a sample's share at 70 %.
 const UNCERTAIN: f64 = 0.069;
 
-pub(crate) fn check(plan: &PlanFile, case: &Case, names: &Names, budget: &Budget, report: &mut Report) -> Result<(), CannotJudge> {
+pub(crate) fn check(
+    plan: &PlanFile,
+    case: &Case,
+    names: &Names,
+    budget: &Budget,
+    report: &mut Report,
+) -> Result<(), CannotJudge> {
     let hand = of_hand(plan, &case.model, names);
     let doubtful: Vec<(usize, usize)> = names
         .unchecked
@@ -58,7 +64,10 @@ pub(crate) fn check(plan: &PlanFile, case: &Case, names: &Names, budget: &Budget
         let share = count as f64 / POSTURES as f64;
         if share < NEEDED - UNCERTAIN {
             let (a, b) = (&case.model.links[a].name, &case.model.links[b].name);
-            let what = format!("{a} and {b} go unchecked, but are not adjacent, not both of the hand, and touch in only {:.0} % of postures", share * 100.0);
+            let what = format!(
+                "{a} and {b} go unchecked, but are not adjacent, not both of the hand, and touch in only {:.0} % of postures",
+                share * 100.0
+            );
             report.plan(ViolationKind::UncheckedPair, what);
         }
     }
@@ -68,7 +77,8 @@ pub(crate) fn check(plan: &PlanFile, case: &Case, names: &Names, budget: &Budget
 /// By link: in `hand.links`, below such a link, or moved by the hand's joint.
 fn of_hand(plan: &PlanFile, model: &Model, names: &Names) -> Vec<bool> {
     let leader = plan.robot.hand.joint.as_ref().and_then(|name| model.joint(name));
-    let moved_by_hand = |joint: usize| Some(joint) == leader || model.joints[joint].mimic.is_some_and(|m| Some(m.joint) == leader);
+    let moved_by_hand =
+        |joint: usize| Some(joint) == leader || model.joints[joint].mimic.is_some_and(|m| Some(m.joint) == leader);
     let mut hand = names.in_hand.clone();
     // Parents come first.
     for link in 0..model.links.len() {

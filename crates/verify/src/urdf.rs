@@ -60,7 +60,10 @@ impl<'a> Builder<'a, '_> {
             let child = attribute(child(*node, "child")?, "link")?;
             for link in [parent, child] {
                 if !self.links.contains_key(link) {
-                    return wrong(format!("joint {:?} names the link {link:?}, which there is not", attribute(*node, "name")?));
+                    return wrong(format!(
+                        "joint {:?} names the link {link:?}, which there is not",
+                        attribute(*node, "name")?
+                    ));
                 }
             }
             if has_parent.insert(child, i).is_some() {
@@ -69,7 +72,8 @@ impl<'a> Builder<'a, '_> {
             below.entry(parent).or_default().push(i);
             ends.push((parent, child));
         }
-        let mut roots = elements(robot, "link").filter_map(|l| l.attribute("name")).filter(|l| !has_parent.contains_key(l));
+        let mut roots =
+            elements(robot, "link").filter_map(|l| l.attribute("name")).filter(|l| !has_parent.contains_key(l));
         let (Some(root), None) = (roots.next(), roots.next()) else {
             return wrong("the links are no single tree: expected exactly one link without a parent");
         };
@@ -84,7 +88,11 @@ impl<'a> Builder<'a, '_> {
                     Some(model.joints.len() - 1)
                 }
             };
-            model.links.push(Link { name: name.to_owned(), joint, pieces: collision_pieces(self.links[name], name, meshes)? });
+            model.links.push(Link {
+                name: name.to_owned(),
+                joint,
+                pieces: collision_pieces(self.links[name], name, meshes)?,
+            });
             for i in below.get(name).into_iter().flatten() {
                 queue.push_back((ends[*i].1, Some((index, self.joints[*i]))));
             }
@@ -120,13 +128,25 @@ fn read_joint(node: Node, parent: usize, child_link: usize) -> Read<Joint> {
         JointKind::Revolute | JointKind::Prismatic => {
             let (lower, upper) = (value("lower")?.unwrap_or(0.0), value("upper")?.unwrap_or(0.0));
             if limit.is_none() || lower > upper {
-                return wrong(format!("joint {name:?} has limits {lower} to {upper}; expected <limit> with lower ≤ upper"));
+                return wrong(format!(
+                    "joint {name:?} has limits {lower} to {upper}; expected <limit> with lower ≤ upper"
+                ));
             }
             Some((lower, upper))
         }
     };
     let velocity = value("velocity")?.filter(|v| *v > 0.0);
-    Ok(Joint { name, kind, parent, child: child_link, parent_from_joint: origin(node)?, axis, range, velocity, mimic: None })
+    Ok(Joint {
+        name,
+        kind,
+        parent,
+        child: child_link,
+        parent_from_joint: origin(node)?,
+        axis,
+        range,
+        velocity,
+        mimic: None,
+    })
 }
 
 /// Turns mimics of mimics into mimics of the joint that leads.
@@ -202,7 +222,11 @@ fn collision_pieces(link: Node, name: &str, meshes: &mut Meshes) -> Read<Vec<Pie
                     None => return wrong(format!("link {name:?}: mesh {uri:?} has no usable triangles")),
                 }
             }
-            other => return wrong(format!("link {name:?} has a collision <{other}>; expected box, cylinder, sphere, capsule or mesh")),
+            other => {
+                return wrong(format!(
+                    "link {name:?} has a collision <{other}>; expected box, cylinder, sphere, capsule or mesh"
+                ));
+            }
         }
     }
     Ok(pieces)
@@ -215,7 +239,9 @@ fn elements<'a, 'input>(node: Node<'a, 'input>, name: &'static str) -> impl Iter
 fn child<'a, 'input>(node: Node<'a, 'input>, name: &'static str) -> Read<Node<'a, 'input>> {
     match elements(node, name).next() {
         Some(found) => Ok(found),
-        None => wrong(format!("<{}> {:?} has no <{name}>", node.tag_name().name(), node.attribute("name").unwrap_or(""))),
+        None => {
+            wrong(format!("<{}> {:?} has no <{name}>", node.tag_name().name(), node.attribute("name").unwrap_or("")))
+        }
     }
 }
 
@@ -236,9 +262,87 @@ fn origin(node: Node) -> Read<Pose> {
 /// `None` if the attribute is not there; otherwise exactly `N` finite numbers.
 fn numbers<const N: usize>(node: Node, name: &str) -> Read<Option<[f64; N]>> {
     let Some(text) = node.attribute(name) else { return Ok(None) };
-    let parsed: Option<Vec<f64>> = text.split_whitespace().map(|s| s.parse().ok().filter(|v: &f64| v.is_finite())).collect();
+    let parsed: Option<Vec<f64>> =
+        text.split_whitespace().map(|s| s.parse().ok().filter(|v: &f64| v.is_finite())).collect();
     match parsed.and_then(|v| <[f64; N]>::try_from(v).ok()) {
         Some(values) => Ok(Some(values)),
         None => wrong(format!("<{} {name}={text:?}>: expected {N} finite numbers", node.tag_name().name())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn try_read(text: &str) -> Result<Model, CannotJudge> {
+        read(text, &mut Meshes::new(&[], Path::new("")))
+    }
+
+    fn robot(inside: &str) -> String {
+        format!(
+            "<robot name='r'><link name='a'/><link name='b'/><joint name='j' type='revolute'><parent link='a'/><child link='b'/>{inside}</joint></robot>"
+        )
+    }
+
+    #[test]
+    fn broken_robots_are_refused() {
+        let fine = "<limit lower='0' upper='1'/>";
+        assert!(try_read(&robot(fine)).is_ok());
+        for (broken, why) in [
+            (String::new(), "no document"),
+            ("<robot><link name='a'/>".into(), "cut off"),
+            ("<model/>".into(), "no robot"),
+            ("<robot/>".into(), "no links"),
+            (robot(""), "no limits"),
+            (robot("<limit lower='2' upper='1'/>"), "limits the wrong way round"),
+            (robot("<limit lower='NaN' upper='1'/>"), "not finite"),
+            (robot(&format!("{fine}<axis xyz='0 0 0'/>")), "no axis"),
+            (robot(&format!("{fine}<axis xyz='0 1'/>")), "two numbers"),
+            (robot(&format!("{fine}<origin xyz='0 1 inf'/>")), "not finite"),
+            (robot(&format!("{fine}<mimic joint='j'/>")), "mimics itself"),
+            (robot(&format!("{fine}<mimic joint='k'/>")), "mimics nothing"),
+            (robot(fine).replace("child link='b'", "child link='c'"), "no such link"),
+            (robot(fine).replace("child link='b'", "child link='a'"), "a cycle"),
+            (robot(fine).replace("revolute", "floating"), "floating"),
+            (robot(fine).replace("name='b'/>", "name='a'/>"), "a name twice"),
+            (
+                robot(fine).replace(
+                    "<link name='b'/>",
+                    "<link name='b'><collision><geometry><sphere radius='-1'/></geometry></collision></link>",
+                ),
+                "negative",
+            ),
+            (
+                robot(fine).replace(
+                    "<link name='b'/>",
+                    "<link name='b'><collision><geometry><mesh filename='m.stl'/></geometry></collision></link>",
+                ),
+                "not listed",
+            ),
+            ("<robot name='r'>".to_owned() + &"<a>".repeat(300_000), "deep"),
+        ] {
+            assert!(try_read(&broken).is_err(), "{why}");
+        }
+    }
+
+    #[test]
+    fn mimics_of_mimics_lead_to_one_joint() {
+        let joint = |name: &str, child: &str, mimic: &str| {
+            format!(
+                "<joint name='{name}' type='revolute'><parent link='a'/><child link='{child}'/><limit lower='0' upper='1'/>{mimic}</joint>"
+            )
+        };
+        let text = format!(
+            "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><link name='d'/>{}{}{}</robot>",
+            joint("j", "b", ""),
+            joint("k", "c", "<mimic joint='j' multiplier='2' offset='1'/>"),
+            joint("l", "d", "<mimic joint='k' multiplier='3' offset='-1'/>"),
+        );
+        let model = try_read(&text).expect("a URDF");
+        let mut posture = vec![0.0; 3];
+        posture[model.joint("j").expect("j")] = 0.5;
+        model.follow(&mut posture);
+        assert_eq!(posture[model.joint("l").expect("l")], 3.0 * (2.0 * 0.5 + 1.0) - 1.0);
     }
 }

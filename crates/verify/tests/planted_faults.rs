@@ -39,7 +39,8 @@ fn valid_plans() -> Vec<Valid> {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
         return (0..12).map(|_| valid(gantry::plan(&mut random), PathBuf::new())).collect();
     };
-    let mut files: Vec<PathBuf> = std::fs::read_dir(&folder).expect("a folder").map(|e| e.expect("an entry").path()).collect();
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(&folder).expect("a folder").map(|e| e.expect("an entry").path()).collect();
     files.sort();
     files
         .into_iter()

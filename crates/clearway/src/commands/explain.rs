@@ -1,6 +1,6 @@
 //! `clearway explain`: why these objects, in this order; for a failure, what stood in the way.
 
-use super::print;
+use super::output::print;
 use crate::cli::ExplainArgs;
 use crate::exit::{Exit, Failure};
 use clearway::PlanFile;
@@ -8,7 +8,7 @@ use clearway_plan::plan_file::{ObjectWhy, Status};
 
 pub fn run(args: &ExplainArgs) -> Result<Exit, Failure> {
     let plan = clearway::read_plan(&args.plan)?;
-    print(&text(&plan));
+    print(text(&plan))?;
     Ok(Exit::Done)
 }
 

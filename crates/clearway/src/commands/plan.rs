@@ -1,11 +1,13 @@
 //! `clearway plan`: the main job.
 
+use super::directory_of;
+use super::output::{self, print, tell, write_page, write_plan};
 use super::summary::{self, Progress};
-use super::{directory_of, print, write_page, write_plan};
 use crate::cli::{First, PlanArgs, SearchKind};
 use crate::exit::{Exit, Failure};
 use crate::interrupt;
-use clearway::{Budget, FirstLimit, Outcome, Planner, Request, Search, Settings, Stop, Unfit};
+use clearway::{Budget, FileError, FirstLimit, Outcome, Planner, Request, Search, Settings, Stop, Unfit};
+use clearway_files::{Limits, yaml};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -13,10 +15,10 @@ use std::time::Duration;
 const TIME_LIMIT: f64 = 60.0;
 
 pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
-    let cancel = interrupt::flag();
+    output::check(args.output.as_deref().into_iter().chain(args.html.as_deref()), &[&args.scene])?;
     let (scene, robot) = clearway::open(&args.scene, &args.package)?;
     let mut planner = Planner::new(scene, robot, settings(args)).map_err(|u| unfit(&args.scene, &u))?;
-    let mut budget = Budget::unlimited().with_cancel(cancel);
+    let mut budget = Budget::unlimited().with_cancel(interrupt::flag());
     if let Some(iterations) = args.iterations {
         budget = budget.with_iterations(iterations);
     }
@@ -63,9 +65,13 @@ pub fn finish(outcome: Outcome, output: Option<&Path>, html: Option<&Path>, dire
         write_page(path, &plan, directory)?;
     }
     if json {
-        print(&format!("{}\n", summary::json(&plan, report.as_ref(), output, html)));
-    } else {
-        print(&summary::text(&plan, report.as_ref(), output, html));
+        print(format!("{}\n", summary::json(&plan, report.as_ref(), output, html)))?;
+    }
+    match (exit, json) {
+        (Exit::Done, true) => {}
+        (Exit::Done, false) => print(summary::text(&plan, output, html))?,
+        (_, true) => tell(&summary::verdict(&plan)),
+        (_, false) => tell(&summary::text(&plan, output, html)),
     }
     Ok(exit)
 }
@@ -86,15 +92,19 @@ fn settings(args: &PlanArgs) -> Settings {
 }
 
 fn unfit(scene: &Path, unfit: &Unfit) -> Failure {
-    let file = scene.display();
-    Failure::bad_input(match unfit {
+    // The file is read again, for the line; if it is gone by now there is none.
+    let text = clearway_files::read_text(scene, &Limits::DOCUMENT).unwrap_or_default();
+    let error = |keys: &[&str], found: &str| FileError::new(scene, found).at_position(yaml::position(&text, keys));
+    match unfit {
         Unfit::StartInCollision(contacts) => {
-            let list: String = contacts.iter().map(|c| format!("\n  {c}")).collect();
-            format!("{file}: the robot's start posture is in collision:{list}\n  help: give a free `robot.start`, or move the robot's `base` or what it touches")
+            let list: Vec<String> = contacts.iter().map(ToString::to_string).collect();
+            error(&["robot", "start"], &format!("the robot's start posture is in collision: {}", list.join("; ")))
+                .help("give a free `robot.start`, or move the robot's `base` or what it touches")
         }
-        Unfit::BadStart(why) => format!("{file}: {why}"),
-        Unfit::NoPlace(why) => format!(
-            "{file}: {why}\n  help: add one: `place: [{{id: tray, size: [0.5, 0.8], position: [x, y, z]}}]`, position being the centre of its top face"
+        Unfit::BadStart(why) => error(&["robot", "start"], why).help("`clearway robot` lists the joints and their limits"),
+        Unfit::NoPlace(why) => error(&["place"], why).help(
+            "add one: `place: [{id: tray, size: [0.5, 0.8], position: [x, y, z]}]`, position being the centre of its top face",
         ),
-    })
+    }
+    .into()
 }

@@ -1,6 +1,6 @@
 //! `clearway schema`: the JSON Schema of a file, from the types that read it.
 
-use super::print;
+use super::output::print;
 use crate::cli::{Document, SchemaArgs};
 use crate::exit::{Exit, Failure};
 use clearway::{PlanFile, RobotFile, SceneFile};
@@ -13,6 +13,6 @@ pub fn run(args: &SchemaArgs) -> Result<Exit, Failure> {
         Document::Plan => schema_for!(PlanFile),
     };
     let text = serde_json::to_string_pretty(&schema).map_err(|e| Failure::internal(e.to_string()))?;
-    print(&format!("{text}\n"));
+    print(format!("{text}\n"))?;
     Ok(Exit::Done)
 }

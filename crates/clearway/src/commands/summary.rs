@@ -45,32 +45,33 @@ impl Observer for Progress {
     }
 }
 
-/// For people.
-pub fn text(plan: &PlanFile, report: Option<&Report>, output: Option<&Path>, html: Option<&Path>) -> String {
-    let mut out = String::new();
+/// How it ended, in a line.
+pub fn verdict(plan: &PlanFile) -> String {
     match plan.status {
-        Status::Solved => {
-            out += &format!("solved: {}\n", plan.removed.join(" → "));
-            out += &format!("  removed {}{}\n", plan.removed.len(), bound(plan));
-            for step in &plan.why.objects {
-                out += &format!("  {}. {}: {}\n", step.order, step.object, step.reason);
-            }
-            out += &format!(
-                "  planned in {:.1} ms ({:.1} ms choosing, {:.1} ms moving), {:.1} s of motion\n",
-                plan.timing.total * 1e3,
-                plan.timing.task * 1e3,
-                plan.timing.motion * 1e3,
-                clearway::duration(plan)
-            );
+        Status::Solved => format!("solved: {}", plan.removed.join(" → ")),
+        Status::Impossible => format!("impossible: {}", plan.why.summary),
+        Status::OutOfBudget => format!("no plan: {}", plan.why.summary),
+    }
+}
+
+/// For people.
+pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> String {
+    let mut out = verdict(plan) + "\n";
+    if plan.status == Status::Solved {
+        out += &format!("  removed {}{}\n", plan.removed.len(), bound(plan));
+        for step in &plan.why.objects {
+            out += &format!("  {}. {}: {}\n", step.order, step.object, step.reason);
         }
-        Status::Impossible => out += &format!("impossible: {}\n", plan.why.summary),
-        Status::OutOfBudget => out += &format!("no plan: {}\n", plan.why.summary),
-    }
-    if plan.status != Status::Solved {
-        out += &super::explain::objects(plan);
-    }
-    if report.is_some() {
+        out += &format!(
+            "  planned in {:.1} ms ({:.1} ms choosing, {:.1} ms moving), {:.1} s of motion\n",
+            plan.timing.total * 1e3,
+            plan.timing.task * 1e3,
+            plan.timing.motion * 1e3,
+            clearway::duration(plan)
+        );
         out += "  verified: no violations\n";
+    } else {
+        out += &super::explain::objects(plan);
     }
     for (what, path) in [("plan", output), ("page", html)] {
         if let Some(path) = path {

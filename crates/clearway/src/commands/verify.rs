@@ -1,6 +1,6 @@
 //! `clearway verify`: judges a plan file.
 
-use super::print;
+use super::output::print;
 use crate::cli::VerifyArgs;
 use crate::exit::{Exit, Failure};
 use crate::interrupt;
@@ -16,9 +16,9 @@ pub fn run(args: &VerifyArgs) -> Result<Exit, Failure> {
     })?;
     if args.json {
         let json = serde_json::to_string(&report).map_err(|e| Failure::internal(e.to_string()))?;
-        print(&format!("{json}\n"));
+        print(format!("{json}\n"))?;
     } else {
-        print(&format!("{report}"));
+        print(report.to_string())?;
     }
     Ok(if report.is_valid() { Exit::Done } else { Exit::Violations })
 }

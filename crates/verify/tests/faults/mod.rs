@@ -26,11 +26,19 @@ pub struct Fault {
 
 /// Every fault there is.
 pub fn all() -> Vec<Fault> {
-    [structure::FAULTS, motion::FAULTS, objects::FAULTS, intruders::FAULTS].into_iter().flat_map(|list| list()).collect()
+    [structure::FAULTS, motion::FAULTS, objects::FAULTS, intruders::FAULTS]
+        .into_iter()
+        .flat_map(|list| list())
+        .collect()
 }
 
 /// A segment of a kind that `wanted` likes, with at least `rows` rows.
-pub fn segment_of(plan: &PlanFile, random: &mut Random, rows: usize, wanted: impl Fn(&Segment) -> bool) -> Option<(usize, usize)> {
+pub fn segment_of(
+    plan: &PlanFile,
+    random: &mut Random,
+    rows: usize,
+    wanted: impl Fn(&Segment) -> bool,
+) -> Option<(usize, usize)> {
     let mut found = Vec::new();
     for (i, step) in plan.steps.iter().enumerate() {
         for (j, segment) in step.segments.iter().enumerate() {

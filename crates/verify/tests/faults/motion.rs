@@ -12,7 +12,11 @@ pub const FAULTS: fn() -> Vec<Fault> = || {
         Fault { name: "velocity limit exceeded", expected: &[Kind::VelocityLimit], plant: too_fast },
         Fault { name: "acceleration limit exceeded", expected: &[Kind::AccelerationLimit], plant: too_sudden },
         Fault { name: "a row out of line", expected: &[Kind::AccelerationLimit], plant: row_out_of_line },
-        Fault { name: "waypoint dropped, times closed up", expected: &[Kind::VelocityLimit, Kind::AccelerationLimit], plant: closed_up },
+        Fault {
+            name: "waypoint dropped, times closed up",
+            expected: &[Kind::VelocityLimit, Kind::AccelerationLimit],
+            plant: closed_up,
+        },
         Fault { name: "position limit exceeded", expected: &[Kind::PositionLimit], plant: too_far },
     ]
 };
@@ -36,7 +40,9 @@ fn shares(plan: &PlanFile, segment: &Segment) -> (f64, f64) {
             fast = fast.max(velocity.abs() / limit(&plan.robot.limits.velocity, column));
             if i > 0 {
                 let seconds = 0.5 * (segment.times[i + 1] - segment.times[i - 1]);
-                sudden = sudden.max((velocity - v[i - 1][column]).abs() / seconds / limit(&plan.robot.limits.acceleration, column));
+                sudden = sudden.max(
+                    (velocity - v[i - 1][column]).abs() / seconds / limit(&plan.robot.limits.acceleration, column),
+                );
             }
         }
     }

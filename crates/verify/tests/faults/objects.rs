@@ -60,7 +60,9 @@ fn attached_outside(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Opti
     let attached = all_attached(plan, step).next()?.clone();
     use clearway_plan::plan_file::SegmentKind::{Approach, Retreat, Transit};
     let segments = &mut plan.steps[step].segments;
-    let free: Vec<usize> = (0..segments.len()).filter(|j| segments[*j].attached.is_none() && matches!(segments[*j].kind, Transit | Approach | Retreat)).collect();
+    let free: Vec<usize> = (0..segments.len())
+        .filter(|j| segments[*j].attached.is_none() && matches!(segments[*j].kind, Transit | Approach | Retreat))
+        .collect();
     segments[pick(&free, random)?].attached = Some(attached);
     Some(())
 }
@@ -169,7 +171,13 @@ fn above_place(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()
 /// Another object stands where this one is put.
 fn inside_another(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
     let step = random.random_range(0..plan.steps.len());
-    let still: Vec<String> = plan.scene.objects.iter().map(|o| o.id.clone()).filter(|id| plan.steps.iter().all(|s| s.object != *id)).collect();
+    let still: Vec<String> = plan
+        .scene
+        .objects
+        .iter()
+        .map(|o| o.id.clone())
+        .filter(|id| plan.steps.iter().all(|s| s.object != *id))
+        .collect();
     let id = pick(&still, random)?;
     let mut at = plan.steps[step].placed.position;
     at[0] += random.random_range(-5e-3..5e-3);
@@ -207,7 +215,9 @@ fn support_taken(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<
         (_, Some(c)) => c.height,
         _ => return None,
     };
-    if under.rpy.is_some_and(|[r, p, _]| r != 0.0 || p != 0.0) || under.quaternion.is_some_and(|[x, y, ..]| x != 0.0 || y != 0.0) {
+    if under.rpy.is_some_and(|[r, p, _]| r != 0.0 || p != 0.0)
+        || under.quaternion.is_some_and(|[x, y, ..]| x != 0.0 || y != 0.0)
+    {
         return None;
     }
     let [x, y, z] = under.position;

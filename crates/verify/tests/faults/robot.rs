@@ -25,6 +25,7 @@ impl Robot {
         let file = tempfile::Builder::new().suffix(".urdf").tempfile().expect("a temporary file");
         std::fs::write(file.path(), &plan.robot.urdf).expect("written");
         let chain = k::Chain::from_urdf_file(file.path()).expect("a URDF");
+        chain.update_transforms();
         Self { chain, world_from_root: pose_of_keys(&plan.scene.robot.base) }
     }
 
@@ -94,9 +95,11 @@ impl Robot {
 /// `k` keeps a mimic's factor to itself, and forgets it where limits are not checked.
 fn mimic_of(plan: &PlanFile, joint: &str) -> Option<(f64, f64)> {
     let document = roxmltree::Document::parse(&plan.robot.urdf).ok()?;
-    let wanted = |n: &roxmltree::Node| n.has_tag_name("joint") && n.attribute("name") == Some(joint) && n.has_attribute("type");
+    let wanted =
+        |n: &roxmltree::Node| n.has_tag_name("joint") && n.attribute("name") == Some(joint) && n.has_attribute("type");
     let mimic = document.descendants().find(wanted)?.children().find(|n| n.has_tag_name("mimic"))?;
-    let number = |key: &str, default: f64| mimic.attribute(key).map_or(default, |v| v.trim().parse().unwrap_or(default));
+    let number =
+        |key: &str, default: f64| mimic.attribute(key).map_or(default, |v| v.trim().parse().unwrap_or(default));
     Some((number("multiplier", 1.0), number("offset", 0.0)))
 }
 
@@ -109,7 +112,9 @@ pub fn support(geometry: &Geometry<f64>, pose: &Isometry3<f64>, direction: &Vect
         flat.try_normalize(1e-12).map_or(na::Vector2::zeros(), |n| n * radius)
     };
     let local = match geometry {
-        Geometry::Box { depth, width, height } => Vector3::new(side(depth / 2.0, d.x), side(width / 2.0, d.y), side(height / 2.0, d.z)),
+        Geometry::Box { depth, width, height } => {
+            Vector3::new(side(depth / 2.0, d.x), side(width / 2.0, d.y), side(height / 2.0, d.z))
+        }
         Geometry::Cylinder { radius, length } => {
             let r = ring(*radius);
             Vector3::new(r.x, r.y, side(length / 2.0, d.z))

@@ -17,7 +17,11 @@ pub const FAULTS: fn() -> Vec<Fault> = || {
         Fault { name: "start that is not the robot's", expected: &[Kind::Start], plant: other_start },
         Fault { name: "segments do not join", expected: &[Kind::Continuity], plant: segments_do_not_join },
         Fault { name: "step missing", expected: &[Kind::Removed], plant: step_missing },
-        Fault { name: "segment missing", expected: &[Kind::Steps, Kind::Continuity, Kind::Gripper], plant: segment_missing },
+        Fault {
+            name: "segment missing",
+            expected: &[Kind::Steps, Kind::Start, Kind::Continuity, Kind::Gripper],
+            plant: segment_missing,
+        },
         Fault { name: "segments out of order", expected: &[Kind::Steps], plant: segments_out_of_order },
         Fault { name: "unknown object", expected: &[Kind::Steps], plant: unknown_object },
         Fault { name: "target not last", expected: &[Kind::Steps], plant: target_not_last },
@@ -113,7 +117,8 @@ fn step_missing(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<(
 }
 
 fn segment_missing(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
-    let (i, j) = segment_of(plan, random, 2, |s| moves(s) || matches!(s.kind, SegmentKind::Grasp | SegmentKind::Release))?;
+    let (i, j) =
+        segment_of(plan, random, 2, |s| moves(s) || matches!(s.kind, SegmentKind::Grasp | SegmentKind::Release))?;
     let last = i + 1 == plan.steps.len() && j + 1 == plan.steps[i].segments.len();
     plan.steps[i].segments.remove(j);
     // Without its last motion home a plan is still whole.
@@ -134,7 +139,8 @@ fn unknown_object(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option
 }
 
 fn target_not_last(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
-    let others: Vec<String> = plan.scene.objects.iter().map(|o| o.id.clone()).filter(|id| *id != plan.scene.target).collect();
+    let others: Vec<String> =
+        plan.scene.objects.iter().map(|o| o.id.clone()).filter(|id| *id != plan.scene.target).collect();
     plan.scene.target = pick(&others, random)?;
     Some(())
 }
@@ -210,7 +216,8 @@ fn limits_above_urdf(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Opt
 
 fn bound_too_high(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
     let removed = plan.removed.len() + random.random_range(1..4);
-    plan.lower_bound = Some(LowerBound { removed, kind: "geometric".into(), proof: serde_json::json!({"barriers": []}) });
+    plan.lower_bound =
+        Some(LowerBound { removed, kind: "geometric".into(), proof: serde_json::json!({"barriers": []}) });
     Some(())
 }
 

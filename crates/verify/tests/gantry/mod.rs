@@ -3,10 +3,12 @@
 
 use clearway_plan::PlanFile;
 use clearway_plan::plan_file::{
-    Action, Attached, GripperValue, JointLimits, LowerBound, PlacedPose, PlannedHand, PlannedRobot, Segment, SegmentKind, Stats, Status,
-    Step, Timing, Why,
+    Action, Attached, GripperValue, JointLimits, LowerBound, PlacedPose, PlannedHand, PlannedRobot, Segment,
+    SegmentKind, Stats, Status, Step, Timing, Why,
 };
-use clearway_plan::scene_file::{Body, BoxKeys, CylinderKeys, Part, PlaceArea, PoseKeys, RobotPlacement, SceneFile, SphereKeys};
+use clearway_plan::scene_file::{
+    Body, BoxKeys, CylinderKeys, Part, PlaceArea, PoseKeys, RobotPlacement, SceneFile, SphereKeys,
+};
 use parry3d_f64::math::{Pose, Rotation, Vector};
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -65,8 +67,10 @@ pub fn plan(random: &mut Xoshiro256PlusPlus) -> PlanFile {
         })
         .collect();
     let mut left: Vec<usize> = (0..objects.len()).collect();
-    let taken: Vec<usize> = (0..random.random_range(2..=4)).map(|_| left.swap_remove(random.random_range(0..left.len()))).collect();
-    let mut slots: Vec<(f64, f64)> = (-1..=1).flat_map(|i| [-0.09, 0.09].map(|y| (f64::from(i) * 0.17, y - 0.7))).collect();
+    let taken: Vec<usize> =
+        (0..random.random_range(2..=4)).map(|_| left.swap_remove(random.random_range(0..left.len()))).collect();
+    let mut slots: Vec<(f64, f64)> =
+        (-1..=1).flat_map(|i| [-0.09, 0.09].map(|y| (f64::from(i) * 0.17, y - 0.7))).collect();
     let mut mover = Mover { at: [0.0; 4], steps: Vec::new() };
     for (i, &o) in taken.iter().enumerate() {
         let (x, y) = slots.swap_remove(random.random_range(0..slots.len()));
@@ -80,7 +84,11 @@ pub fn plan(random: &mut Xoshiro256PlusPlus) -> PlanFile {
         scene: scene(&objects, names.last().cloned().unwrap_or_default()),
         robot: robot(),
         removed: names,
-        lower_bound: Some(LowerBound { removed: 1, kind: "geometric".into(), proof: serde_json::json!({"barriers": []}) }),
+        lower_bound: Some(LowerBound {
+            removed: 1,
+            kind: "geometric".into(),
+            proof: serde_json::json!({"barriers": []}),
+        }),
         steps: mover.steps,
         trace: None,
         timing: Timing::default(),
@@ -104,8 +112,16 @@ fn object(index: usize, x: f64, y: f64, random: &mut Xoshiro256PlusPlus) -> Obje
         1 => body.r#box = Some(BoxKeys { size: [2.0 * half_width, 0.04, height] }),
         _ => {
             // A foot and a neck.
-            let foot = Part { r#box: Some(BoxKeys { size: [2.0 * half_width, 0.04, height - 0.05] }), position: [0.0, 0.0, -0.025], ..Part::default() };
-            let neck = Part { cylinder: Some(CylinderKeys { radius: half_width, height: 0.05 }), position: [0.0, 0.0, height / 2.0 - 0.025], ..Part::default() };
+            let foot = Part {
+                r#box: Some(BoxKeys { size: [2.0 * half_width, 0.04, height - 0.05] }),
+                position: [0.0, 0.0, -0.025],
+                ..Part::default()
+            };
+            let neck = Part {
+                cylinder: Some(CylinderKeys { radius: half_width, height: 0.05 }),
+                position: [0.0, 0.0, height / 2.0 - 0.025],
+                ..Part::default()
+            };
             body.compound = Some(vec![foot, neck]);
         }
     }
@@ -145,7 +161,15 @@ fn scene(objects: &[Object], target: String) -> SceneFile {
 fn robot() -> PlannedRobot {
     let joints = ["x", "y", "z", "yaw"].map(str::to_owned);
     let by_joint = |values: [f64; 4]| joints.iter().cloned().zip(values).collect::<BTreeMap<_, _>>();
-    let pairs = [["rail", "bridge"], ["bridge", "cart"], ["cart", "column"], ["column", "palm"], ["palm", "left"], ["palm", "right"], ["left", "right"]];
+    let pairs = [
+        ["rail", "bridge"],
+        ["bridge", "cart"],
+        ["cart", "column"],
+        ["column", "palm"],
+        ["palm", "left"],
+        ["palm", "right"],
+        ["left", "right"],
+    ];
     PlannedRobot {
         urdf: URDF.to_owned(),
         tool: "grasp_center".into(),
@@ -183,7 +207,11 @@ impl Mover {
         let drop = [x, y, 0.0, object.yaw + turn];
         let world_from_object = Pose::from_parts(object.at, Rotation::from_rotation_z(object.yaw));
         let tool_from_object = tool(at(above, down)).inverse() * world_from_object;
-        let attached = Attached { object: object.body.id.clone(), tool: "grasp_center".into(), pose_in_tool: placed(&tool_from_object) };
+        let attached = Attached {
+            object: object.body.id.clone(),
+            tool: "grasp_center".into(),
+            pose_in_tool: placed(&tool_from_object),
+        };
         let mut segments = vec![
             self.go(SegmentKind::Transit, above, OPEN),
             self.go(SegmentKind::Approach, at(above, down), OPEN),
@@ -198,7 +226,12 @@ impl Mover {
         if last {
             segments.push(self.go(SegmentKind::Transit, [0.0; 4], OPEN));
         }
-        self.steps.push(Step { object: object.body.id.clone(), action: Action::PickPlace, segments, placed: placed(&put) });
+        self.steps.push(Step {
+            object: object.body.id.clone(),
+            action: Action::PickPlace,
+            segments,
+            placed: placed(&put),
+        });
     }
 
     /// A straight line in joint space, from rest to rest, with a fifth-order polynomial in time.
@@ -217,7 +250,9 @@ impl Mover {
         Segment {
             kind,
             times: (0..=rows).map(|row| row as f64 * 0.02).collect(),
-            positions: (0..=rows).map(|row| (0..4).map(|j| from[j] + share(row) * (goal[j] - from[j])).collect()).collect(),
+            positions: (0..=rows)
+                .map(|row| (0..4).map(|j| from[j] + share(row) * (goal[j] - from[j])).collect())
+                .collect(),
             gripper: BTreeMap::from([("finger".into(), GripperValue::Held(finger))]),
             attached: None,
         }
