@@ -1,7 +1,7 @@
 //! What is the case at one time of a plan.
 
-use crate::obstacle::Obstacle;
-use clearway_geometry::{Pose, Solid};
+use crate::obstacle::{MovingPart, Obstacle};
+use clearway_geometry::Pose;
 use clearway_plan::{ObjectId, ObjectSet};
 use std::sync::Arc;
 
@@ -9,7 +9,8 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Held {
     pub object: ObjectId,
-    pub solid: Arc<Solid>,
+    /// In the object's frame.
+    pub parts: Arc<Vec<MovingPart>>,
     pub tool_from_object: Pose,
     /// Fixtures that carry the object where it is lifted off or put down: not checked against it
     /// while [`Moment::resting`].

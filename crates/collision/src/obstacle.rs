@@ -1,5 +1,6 @@
 //! Something that stands still, placed in the robot's root frame.
 
+use crate::directions::Directions;
 use clearway_geometry::{Convex, Pose, Solid, Vec3, distance::closer_than};
 use clearway_robot::Sphere;
 
@@ -10,12 +11,14 @@ pub struct PlacedPart {
     pub convex: Convex,
     /// Of the part, about its frame's origin.
     pub radius: f64,
+    /// Names the part among all, for remembered directions.
+    pub tag: usize,
 }
 
 impl PlacedPart {
-    pub fn new(root_from_part: Pose, convex: Convex) -> Self {
+    pub fn new(root_from_part: Pose, convex: Convex, tag: usize) -> Self {
         let radius = convex.bounding_radius();
-        Self { root_from_part, convex, radius }
+        Self { root_from_part, convex, radius, tag }
     }
 
     /// Whether a ball comes closer than `margin`; may say yes for a hull when it does not.
@@ -38,6 +41,29 @@ impl PlacedPart {
     }
 }
 
+/// A convex part that moves: in the frame of a link, or of what is held.
+#[derive(Clone, Debug)]
+pub struct MovingPart {
+    pub pose: Pose,
+    pub convex: Convex,
+    /// About its frame's origin.
+    pub radius: f64,
+    pub tag: usize,
+}
+
+impl MovingPart {
+    /// Whether the part, its body's frame being at `frame`, comes closer to `other` than `margin`.
+    #[inline]
+    pub fn near(&self, frame: &Pose, other: &PlacedPart, margin: f64, directions: &mut Directions) -> bool {
+        other.near_ball(frame.point(self.pose.translation), self.radius, margin)
+            && directions.closer_than(
+                (&other.convex, &other.root_from_part, other.tag),
+                (&self.convex, &(*frame * self.pose), self.tag),
+                margin,
+            )
+    }
+}
+
 /// A solid in place.
 #[derive(Clone, Debug)]
 pub struct Obstacle {
@@ -47,9 +73,10 @@ pub struct Obstacle {
 }
 
 impl Obstacle {
-    pub fn new(solid: &Solid, root_from_solid: &Pose) -> Self {
+    /// `tag` is the first of as many as the solid has parts.
+    pub fn new(solid: &Solid, root_from_solid: &Pose, tag: usize) -> Self {
         let parts: Vec<PlacedPart> =
-            solid.parts.iter().map(|(pose, convex)| PlacedPart::new(*root_from_solid * *pose, convex.clone())).collect();
+            solid.parts.iter().enumerate().map(|(i, (pose, convex))| PlacedPart::new(*root_from_solid * *pose, convex.clone(), tag + i)).collect();
         let balls: Vec<Sphere> =
             parts.iter().map(|p| Sphere { centre: p.root_from_part.translation, radius: p.radius }).collect();
         Self { parts, bound: clearway_robot::bounding_sphere(&balls) }

@@ -3,10 +3,12 @@
 //! looked at. That is conservative advancement with a yes or no in place of a distance.
 
 use crate::moment::Moment;
-use crate::obstacle::Obstacle;
-use crate::query::{SELF_MARGIN, Scratch, link_near, links_near};
+use crate::directions::Directions;
+use crate::obstacle::{MovingPart, Obstacle};
+use crate::query::{SELF_MARGIN, Scratch, held_near, held_near_link, link_near, links_near};
 use crate::world::World;
-use clearway_geometry::{Convex, Pose, distance::closer_than};
+use clearway_geometry::Pose;
+use clearway_plan::ObjectSet;
 
 /// What a probe found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,8 +40,8 @@ impl Slack {
         };
         self.links.extend(world.link_reach.iter().map(|reach| moved(reach, 0.0)));
         let held = moment.held.as_ref().map_or(0.0, |h| {
-            let far = |(part, convex): &(Pose, Convex)| (h.tool_from_object * *part).translation.length() + convex.bounding_radius();
-            moved(&world.tool_reach, h.solid.parts.iter().map(far).fold(0.0, f64::max))
+            let far = |p: &MovingPart| h.tool_from_object.point(p.pose.translation).length() + p.radius;
+            moved(&world.tool_reach, h.parts.iter().map(far).fold(0.0, f64::max))
         });
         self.links.push(held);
     }
@@ -68,12 +70,13 @@ impl World {
     pub fn probe(&self, posture: &[f64], moment: &Moment, slack: Option<&Slack>, scratch: &mut Scratch) -> Probe {
         scratch.checked += 1;
         self.kinematics.frames(posture, moment.hand, &mut scratch.frames);
-        let frames = &scratch.frames;
+        let Scratch { frames, directions, .. } = scratch;
+        let frames: &[Pose] = frames;
         // Once something is near, the rest is only asked whether it is hit.
         let mut around = slack;
         macro_rules! check {
             ($slack:expr, $near:expr) => {{
-                let near = $near;
+                let mut near = $near;
                 if let Some(s) = around {
                     if near($slack(s)) {
                         around = None;
@@ -89,17 +92,12 @@ impl World {
         if let Some(held) = &moment.held {
             let last = self.links.len();
             let root_from_object = frames[self.kinematics.tool] * held.tool_from_object;
-            for (part, convex) in &held.solid.parts {
-                let pose = root_from_object * *part;
-                check!(|s: &Slack| s.links[last], |more| self.held_near(convex, &pose, moment, held, moment.margin + more));
+            for part in held.parts.iter() {
+                check!(|s: &Slack| s.links[last], |more| self.held_near(part, &root_from_object, moment, held, moment.margin + more, directions));
                 for (index, link) in self.links.iter().enumerate() {
                     let Some(link) = link.as_ref().filter(|l| !l.hand) else { continue };
-                    let radius = convex.bounding_radius();
-                    let centre = frames[index].point(link.bound.centre);
                     check!(|s: &Slack| s.links[last] + s.links[index], |more: f64| {
-                        let margin = moment.margin + more;
-                        centre.distance(pose.translation) < link.bound.radius + radius + margin
-                            && link.parts.iter().any(|(p, c)| closer_than(c, &(frames[index] * *p), convex, &pose, margin))
+                        held_near_link(part, &root_from_object, link, &frames[index], moment.margin + more, directions)
                     });
                 }
             }
@@ -108,42 +106,42 @@ impl World {
             let Some(link) = link.as_ref().filter(|l| !l.still) else { continue };
             let frame = &frames[index];
             for fixture in &self.fixtures {
-                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, fixture, moment.margin + more));
+                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, fixture, moment.margin + more, directions));
             }
             for id in moment.standing.iter() {
                 let margin = if link.hand && moment.gripping == Some(id) { 0.0 } else { moment.margin };
                 let object = &self.objects[id.index()];
-                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, object, margin + more));
+                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, object, margin + more, directions));
             }
             for (id, placed) in &moment.placed {
                 let margin = if link.hand && moment.gripping == Some(*id) { 0.0 } else { moment.margin };
-                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, placed, margin + more));
+                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, placed, margin + more, directions));
             }
         }
         for &(a, b) in &self.pairs {
             let (Some(la), Some(lb)) = (&self.links[a], &self.links[b]) else { continue };
             check!(|s: &Slack| s.between(self, a, b), |more: f64| {
-                links_near(la, &frames[a], lb, &frames[b], SELF_MARGIN + more)
+                links_near(la, &frames[a], lb, &frames[b], SELF_MARGIN + more, directions)
             });
         }
         if around.is_some() { Probe::Around } else { Probe::Here }
     }
 
     /// Whether a part of what is held comes closer than `margin` to anything but the robot.
-    fn held_near(&self, convex: &Convex, pose: &Pose, moment: &Moment, held: &crate::Held, margin: f64) -> bool {
-        let radius = convex.bounding_radius();
-        let near = |o: &Obstacle| {
-            o.near_bound(pose.translation, radius, margin)
-                && o.parts
-                    .iter()
-                    .any(|p| p.near_ball(pose.translation, radius, margin) && p.near_convex(convex, pose, margin))
-        };
+    fn held_near(
+        &self,
+        part: &MovingPart,
+        root_from_object: &Pose,
+        moment: &Moment,
+        held: &crate::Held,
+        margin: f64,
+        directions: &mut Directions,
+    ) -> bool {
+        let mut near = |o: &Obstacle| held_near(part, root_from_object, o, margin, directions);
         let resting = moment.resting;
+        let below = if resting { held.objects_below } else { ObjectSet::EMPTY };
         self.fixtures.iter().enumerate().any(|(i, f)| !(resting && held.fixtures_below.contains(&i)) && near(f))
-            || moment
-                .standing
-                .iter()
-                .any(|id| id != held.object && !(resting && held.objects_below.contains(id)) && near(&self.objects[id.index()]))
+            || moment.standing.difference(below.with(held.object)).iter().any(|id| near(&self.objects[id.index()]))
             || moment.placed.iter().any(|(_, o)| near(o))
     }
 }

@@ -1,10 +1,12 @@
 //! What does a posture touch? All of it, as a set.
 
+use crate::directions::Directions;
 use crate::moment::Moment;
-use crate::obstacle::Obstacle;
+use crate::obstacle::{MovingPart, Obstacle};
 use crate::world::{LinkBody, World};
-use clearway_geometry::{Convex, Pose, distance::closer_than};
+use clearway_geometry::{Pose, Vec3};
 use clearway_plan::ObjectSet;
+use clearway_robot::Sphere;
 
 /// What a posture touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +25,7 @@ impl Touch {
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     pub(crate) frames: Vec<Pose>,
+    pub(crate) directions: Directions,
     /// How many postures were checked with it.
     pub checked: u64,
 }
@@ -35,26 +38,26 @@ impl World {
     pub fn touched(&self, posture: &[f64], moment: &Moment, scratch: &mut Scratch) -> Touch {
         scratch.checked += 1;
         self.kinematics.frames(posture, moment.hand, &mut scratch.frames);
-        let frames = &scratch.frames;
+        let Scratch { frames, directions, .. } = scratch;
+        let frames: &[Pose] = frames;
         let margin = moment.margin;
         let mut touched = ObjectSet::EMPTY;
         let moving = || self.moving(frames);
         for (link, frame) in moving() {
-            if self.fixtures.iter().any(|f| link_near(link, frame, f, margin)) {
+            if self.fixtures.iter().any(|f| link_near(link, frame, f, margin, directions)) {
                 return Touch::Fixed;
             }
             for (id, placed) in &moment.placed {
                 let margin = if link.hand && moment.gripping == Some(*id) { 0.0 } else { margin };
-                if link_near(link, frame, placed, margin) {
+                if link_near(link, frame, placed, margin, directions) {
                     return Touch::Fixed;
                 }
             }
         }
         if let Some(held) = &moment.held {
             let root_from_object = frames[self.kinematics.tool] * held.tool_from_object;
-            for (part, convex) in &held.solid.parts {
-                let pose = root_from_object * *part;
-                if self.held_part_meets(convex, &pose, moment, frames, held, &mut touched) {
+            for part in held.parts.iter() {
+                if self.held_part_meets(part, &root_from_object, moment, frames, held, directions, &mut touched) {
                     return Touch::Fixed;
                 }
             }
@@ -63,13 +66,13 @@ impl World {
             let object = &self.objects[id.index()];
             for (link, frame) in moving() {
                 let margin = if link.hand && moment.gripping == Some(id) { 0.0 } else { margin };
-                if link_near(link, frame, object, margin) {
+                if link_near(link, frame, object, margin, directions) {
                     touched.insert(id);
                     break;
                 }
             }
         }
-        if self.meets_itself(frames) { Touch::Fixed } else { Touch::Objects(touched) }
+        if self.meets_itself(frames, directions) { Touch::Fixed } else { Touch::Objects(touched) }
     }
 
     /// The links with shapes that move, with their frames.
@@ -79,24 +82,19 @@ impl World {
     }
 
     /// True when it meets something fixed; objects met are added to `touched`.
-    #[inline]
+    #[allow(clippy::too_many_arguments)]
     fn held_part_meets(
         &self,
-        convex: &Convex,
-        pose: &Pose,
+        part: &MovingPart,
+        root_from_object: &Pose,
         moment: &Moment,
         frames: &[Pose],
         held: &crate::Held,
+        directions: &mut Directions,
         touched: &mut ObjectSet,
     ) -> bool {
         let margin = moment.margin;
-        let radius = convex.bounding_radius();
-        let near = |o: &Obstacle| {
-            o.near_bound(pose.translation, radius, margin)
-                && o.parts.iter().any(|p| {
-                    p.near_ball(pose.translation, radius, margin) && p.near_convex(convex, pose, margin)
-                })
-        };
+        let mut near = |o: &Obstacle| held_near(part, root_from_object, o, margin, directions);
         for (index, fixture) in self.fixtures.iter().enumerate() {
             if !(moment.resting && held.fixtures_below.contains(&index)) && near(fixture) {
                 return true;
@@ -112,55 +110,90 @@ impl World {
             }
         }
         self.links.iter().zip(frames).any(|(link, frame)| {
-            link.as_ref().is_some_and(|l| {
-                !l.hand
-                    && frame.point(l.bound.centre).distance(pose.translation) < l.bound.radius + radius + margin
-                    && l.parts.iter().any(|(part, c)| closer_than(c, &(*frame * *part), convex, pose, margin))
-            })
+            link.as_ref().is_some_and(|l| !l.hand && held_near_link(part, root_from_object, l, frame, margin, directions))
         })
     }
 
     /// Whether two links come closer than they should.
     #[inline]
-    pub(crate) fn meets_itself(&self, frames: &[Pose]) -> bool {
+    pub(crate) fn meets_itself(&self, frames: &[Pose], directions: &mut Directions) -> bool {
         self.pairs.iter().any(|&(a, b)| {
             let (Some(la), Some(lb)) = (&self.links[a], &self.links[b]) else { return false };
-            links_near(la, &frames[a], lb, &frames[b], SELF_MARGIN)
+            links_near(la, &frames[a], lb, &frames[b], SELF_MARGIN, directions)
         })
     }
 }
 
+/// Whether a part of what is held comes closer to an obstacle than `margin`.
+#[inline]
+pub(crate) fn held_near(part: &MovingPart, frame: &Pose, obstacle: &Obstacle, margin: f64, directions: &mut Directions) -> bool {
+    obstacle.near_bound(frame.point(part.pose.translation), part.radius, margin)
+        && obstacle.parts.iter().any(|other| part.near(frame, other, margin, directions))
+}
+
+/// Whether a part of what is held comes closer to a link than `margin`.
+#[inline]
+pub(crate) fn held_near_link(
+    part: &MovingPart,
+    root_from_object: &Pose,
+    link: &LinkBody,
+    frame: &Pose,
+    margin: f64,
+    directions: &mut Directions,
+) -> bool {
+    let centre = root_from_object.point(part.pose.translation);
+    if frame.point(link.bound.centre).distance_squared(centre) > (link.bound.radius + part.radius + margin).powi(2) {
+        return false;
+    }
+    let pose = *root_from_object * part.pose;
+    link.parts.iter().any(|p| {
+        directions.closer_than((&p.convex, &(*frame * p.pose), p.tag), (&part.convex, &pose, part.tag), margin)
+    })
+}
+
 /// Whether a link comes closer to an obstacle than `margin`.
 #[inline]
-pub(crate) fn link_near(link: &LinkBody, frame: &Pose, obstacle: &Obstacle, margin: f64) -> bool {
+pub(crate) fn link_near(link: &LinkBody, frame: &Pose, obstacle: &Obstacle, margin: f64, directions: &mut Directions) -> bool {
     let centre = frame.point(link.bound.centre);
     if !obstacle.near_bound(centre, link.bound.radius, margin) {
         return false;
     }
     obstacle.parts.iter().any(|part| {
         part.near_ball(centre, link.bound.radius, margin)
-            && link.spheres.iter().any(|s| part.near_ball(frame.point(s.centre), s.radius, margin))
-            && link.parts.iter().any(|(p, c)| part.near_convex(c, &(*frame * *p), margin))
+            && (link.spheres.is_empty()
+                || link.spheres.iter().any(|s| part.near_ball(frame.point(s.centre), s.radius, margin)))
+            && link.parts.iter().any(|p| p.near(frame, part, margin, directions))
     })
 }
 
 /// Whether two links come closer than `margin`.
 #[inline]
-pub(crate) fn links_near(a: &LinkBody, frame_a: &Pose, b: &LinkBody, frame_b: &Pose, margin: f64) -> bool {
+pub(crate) fn links_near(
+    a: &LinkBody,
+    frame_a: &Pose,
+    b: &LinkBody,
+    frame_b: &Pose,
+    margin: f64,
+    directions: &mut Directions,
+) -> bool {
     let (ca, cb) = (frame_a.point(a.bound.centre), frame_b.point(b.bound.centre));
     if ca.distance_squared(cb) > (a.bound.radius + b.bound.radius + margin).powi(2) {
         return false;
     }
-    let spheres_meet = a.spheres.iter().any(|sa| {
-        let pa = frame_a.point(sa.centre);
-        pa.distance_squared(cb) < (sa.radius + b.bound.radius + margin).powi(2)
-            && b.spheres
-                .iter()
-                .any(|sb| pa.distance_squared(frame_b.point(sb.centre)) < (sa.radius + sb.radius + margin).powi(2))
-    });
-    spheres_meet
-        && a.parts.iter().any(|(pa, sa)| {
-            let pose_a = *frame_a * *pa;
-            b.parts.iter().any(|(pb, sb)| closer_than(sa, &pose_a, sb, &(*frame_b * *pb), margin))
+    let apart = |s: &Sphere, frame: &Pose, centre: Vec3, radius: f64| {
+        frame.point(s.centre).distance_squared(centre) > (s.radius + radius + margin).powi(2)
+    };
+    if !a.spheres.is_empty() && a.spheres.iter().all(|s| apart(s, frame_a, cb, b.bound.radius))
+        || !b.spheres.is_empty() && b.spheres.iter().all(|s| apart(s, frame_b, ca, a.bound.radius))
+    {
+        return false;
+    }
+    a.parts.iter().any(|pa| {
+        let pose_a = *frame_a * pa.pose;
+        b.parts.iter().any(|pb| {
+            let pose_b = *frame_b * pb.pose;
+            pose_a.translation.distance_squared(pose_b.translation) < (pa.radius + pb.radius + margin).powi(2)
+                && directions.closer_than((&pa.convex, &pose_a, pa.tag), (&pb.convex, &pose_b, pb.tag), margin)
         })
+    })
 }

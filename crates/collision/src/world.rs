@@ -1,6 +1,6 @@
 //! The robot, the fixtures and the objects, made ready for collision checks.
 
-use crate::obstacle::Obstacle;
+use crate::obstacle::{MovingPart, Obstacle};
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
 use clearway_plan::ObjectId;
 use clearway_robot::{JointKind, Kinematics, Robot, Sphere, bounding_sphere, cover};
@@ -10,7 +10,8 @@ use std::sync::Arc;
 /// A link's shapes, in its own frame.
 #[derive(Clone, Debug)]
 pub struct LinkBody {
-    pub parts: Vec<(Pose, Convex)>,
+    pub parts: Vec<MovingPart>,
+    /// They cover the link. Asked first where its parts are costly; empty where they are not.
     pub spheres: Vec<Sphere>,
     pub bound: Sphere,
     /// One of the hand's links, which may touch what they grip.
@@ -32,6 +33,8 @@ pub struct World {
     /// By object id, where the scene has them.
     pub objects: Vec<Obstacle>,
     pub solids: Vec<Arc<Solid>>,
+    /// By object id: its parts, as a hand carries them.
+    pub carried: Vec<Arc<Vec<MovingPart>>>,
     /// `root_from_object`, where the scene has them.
     pub poses: Vec<Pose>,
     /// Pairs of links that are checked against each other.
@@ -43,6 +46,22 @@ pub struct World {
     pub link_reach: Vec<Vec<f64>>,
     /// The same for the tool's frame alone.
     pub tool_reach: Vec<f64>,
+}
+
+/// A hull of more corners than this is asked only where spheres that cover it are near.
+const COSTLY: usize = 24;
+/// Parts of one link have neighbouring tags; tags only choose slots, so more parts do no harm.
+const TAGS_PER_LINK: usize = 16;
+
+/// A solid's parts as they move with their body.
+pub fn moving_parts(solid: &Solid, tag: usize) -> Vec<MovingPart> {
+    let part = |(i, (pose, convex)): (usize, &(Pose, Convex))| MovingPart {
+        pose: *pose,
+        convex: convex.clone(),
+        radius: convex.bounding_radius(),
+        tag: tag + i,
+    };
+    solid.parts.iter().enumerate().map(part).collect()
 }
 
 /// Width of the cells that links are covered with, metres: hand finely, arm coarsely.
@@ -60,10 +79,11 @@ impl World {
             .map(|(index, link)| {
                 let hand = robot.hand.links.contains(&index);
                 let spheres = cover(&link.collision, if hand { HAND_CELL } else { ARM_CELL });
+                let costly = link.collision.parts.iter().any(|(_, c)| matches!(c, Convex::Hull(h) if h.points.len() > COSTLY));
                 (!spheres.is_empty()).then(|| LinkBody {
-                    parts: link.collision.parts.clone(),
+                    parts: moving_parts(&link.collision, index * TAGS_PER_LINK),
                     bound: bounding_sphere(&spheres),
-                    spheres,
+                    spheres: if costly { spheres } else { Vec::new() },
                     hand,
                     still: kinematics.moved_by[index] == 0 && !kinematics.moved_by_hand[index],
                 })
@@ -83,6 +103,7 @@ impl World {
             fixtures: Vec::new(),
             objects: Vec::new(),
             solids: Vec::new(),
+            carried: Vec::new(),
             poses: Vec::new(),
             pairs,
             unchecked,
@@ -95,16 +116,23 @@ impl World {
 
     /// Takes over fixtures and objects of a changed scene; robot and base stay.
     pub fn set_scene(&mut self, scene: &Scene) {
-        let place = |solid: &Solid, pose: &Pose| Obstacle::new(solid, &(self.root_from_world * *pose));
+        let mut tag = 0;
+        let mut place = |solid: &Solid, pose: &Pose| {
+            tag += solid.parts.len();
+            Obstacle::new(solid, &(self.root_from_world * *pose), tag)
+        };
         self.fixtures = scene.fixtures.iter().map(|f| place(&f.solid, &f.pose)).collect();
         self.objects = scene.objects.iter().map(|o| place(&o.solid, &o.pose)).collect();
         self.solids = scene.objects.iter().map(|o| o.solid.clone()).collect();
+        let tag = self.links.len() * TAGS_PER_LINK;
+        self.carried = self.solids.iter().map(|s| Arc::new(moving_parts(s, tag))).collect();
         self.poses = scene.objects.iter().map(|o| self.root_from_world * o.pose).collect();
     }
 
     /// An object placed somewhere else, `root_from_object`.
     pub fn placed(&self, object: ObjectId, root_from_object: &Pose) -> Arc<Obstacle> {
-        Arc::new(Obstacle::new(&self.solids[object.index()], root_from_object))
+        let tag = self.objects[object.index()].parts.first().map_or(0, |p| p.tag);
+        Arc::new(Obstacle::new(&self.solids[object.index()], root_from_object, tag))
     }
 
     /// The fixtures and standing objects that carry an object at rest at `root_from_object`: those

@@ -165,11 +165,12 @@ fn explain(path: &Path, text: &str, error: &Error) -> FileError {
         }
         Error::SerdeInvalidType { unexpected, expected, .. }
         | Error::SerdeInvalidValue { unexpected, expected, .. } => {
-            told(format!("found {unexpected}")).expected(expected.as_str())
+            told(format!("found {}", plain_words(unexpected))).expected(plain_words(expected))
         }
         Error::SerdeInvalidLength { len, expected, .. } => {
             told(format!("found {len} item{}", if *len == 1 { "" } else { "s" })).expected(expected.as_str())
         }
+        Error::NonFiniteFloat { value, .. } => told(format!("found {}", quoted(value))).expected("a finite number"),
         Error::InvalidScalar { ty, .. } => told(found_at(text, place)).expected(plain_type(ty)),
         Error::Unexpected { expected, .. } => told(found_at(text, place)).expected(plain_type(expected)),
         Error::NullIntoString { .. } => told("found nothing".to_owned())
@@ -214,6 +215,18 @@ fn found_at(text: &str, place: Option<(usize, usize)>) -> String {
         Some(":") => "found nothing".to_owned(),
         Some(word) => format!("found {}", quoted(word)),
         None => "an unreadable value".to_owned(),
+    }
+}
+
+/// The reader's names for kinds of values, in words.
+fn plain_words(said: &str) -> &str {
+    match said {
+        "unit value" => "nothing",
+        "map" => "a mapping",
+        "a map" => "a mapping, `key: value`",
+        "sequence" => "a list",
+        "a sequence" => "a list, `[…]` or lines of `- …`",
+        other => other,
     }
 }
 

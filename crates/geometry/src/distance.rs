@@ -11,7 +11,10 @@ const MAX_STEPS: usize = 64;
 
 /// The distance between two placed convex shapes, metres; 0 when they touch or overlap.
 pub fn distance(a: &Convex, world_from_a: &Pose, b: &Convex, world_from_b: &Pose) -> f64 {
-    let mut gjk = Gjk::new(a, world_from_a, b, world_from_b);
+    let a_from_b = world_from_a.inverse() * *world_from_b;
+    let between = -a_from_b.translation;
+    let guess = if between.length_squared() < 1e-24 { DVec3::X } else { between };
+    let mut gjk = Gjk::starting(a, b, a_from_b, guess);
     for _ in 0..MAX_STEPS {
         match gjk.step() {
             Progress::Overlap => return 0.0,
@@ -26,17 +29,36 @@ pub fn distance(a: &Convex, world_from_a: &Pose, b: &Convex, world_from_b: &Pose
 /// open, the answer is yes.
 #[inline]
 pub fn closer_than(a: &Convex, world_from_a: &Pose, b: &Convex, world_from_b: &Pose, margin: f64) -> bool {
-    let mut gjk = Gjk::new(a, world_from_a, b, world_from_b);
-    for _ in 0..MAX_STEPS {
-        match gjk.step() {
-            Progress::Overlap => return true,
-            Progress::Settled => return gjk.lower < margin,
-            Progress::Between if gjk.lower >= margin => return false,
-            Progress::Between if gjk.nearest.length() < margin => return true,
-            Progress::Between => {}
-        }
+    closer_than_along(a, world_from_a, b, world_from_b, margin, &mut { DVec3::ZERO })
+}
+
+/// The same, starting from a guess of the direction from *b* to *a*, in the frame of *a*; zero is
+/// no guess. The direction found is left there: asked again about a pair that has moved a little,
+/// one support point mostly settles that it is apart.
+#[inline]
+pub fn closer_than_along(
+    a: &Convex,
+    world_from_a: &Pose,
+    b: &Convex,
+    world_from_b: &Pose,
+    margin: f64,
+    direction: &mut DVec3,
+) -> bool {
+    let a_from_b = world_from_a.inverse() * *world_from_b;
+    let mut guess = if *direction == DVec3::ZERO { -a_from_b.translation } else { *direction };
+    if guess.length_squared() < 1e-24 {
+        guess = DVec3::X;
     }
-    gjk.lower < margin
+    let mut gjk = Gjk::starting(a, b, a_from_b, guess);
+    if gjk.lower >= margin && gjk.lower > 0.0 {
+        *direction = guess;
+        return false;
+    }
+    let near = gjk.closer_than(margin);
+    if gjk.nearest != DVec3::ZERO {
+        *direction = gjk.nearest;
+    }
+    near
 }
 
 enum Progress {
@@ -59,18 +81,29 @@ struct Gjk<'a> {
 }
 
 impl<'a> Gjk<'a> {
+    /// With the support point along a guess of the direction from *b* to *a*, not zero.
     #[inline]
-    fn new(a: &'a Convex, world_from_a: &Pose, b: &'a Convex, world_from_b: &Pose) -> Self {
-        let a_from_b = world_from_a.inverse() * *world_from_b;
-        let start = -a_from_b.translation;
-        let mut gjk = Gjk { a, b, a_from_b, simplex: [DVec3::ZERO; 4], size: 0, nearest: start, lower: 0.0 };
-        if start.length_squared() < 1e-24 {
-            gjk.nearest = DVec3::X;
-        }
-        gjk.simplex[0] = gjk.support(-gjk.nearest);
-        gjk.size = 1;
-        gjk.nearest = gjk.simplex[0];
+    fn starting(a: &'a Convex, b: &'a Convex, a_from_b: Pose, guess: DVec3) -> Self {
+        let mut gjk = Gjk { a, b, a_from_b, simplex: [DVec3::ZERO; 4], size: 1, nearest: guess, lower: 0.0 };
+        let point = gjk.support(-guess);
+        gjk.simplex[0] = point;
+        gjk.nearest = point;
+        // Nothing of the difference lies before the plane through that point.
+        gjk.lower = (point.dot(guess) / guess.length()).max(0.0);
         gjk
+    }
+
+    fn closer_than(&mut self, margin: f64) -> bool {
+        for _ in 0..MAX_STEPS {
+            match self.step() {
+                Progress::Overlap => return true,
+                Progress::Settled => break,
+                Progress::Between if self.lower >= margin && self.lower > 0.0 => return false,
+                Progress::Between if self.nearest.length() < margin => return true,
+                Progress::Between => {}
+            }
+        }
+        self.lower < margin
     }
 
     #[inline]

@@ -89,7 +89,7 @@ pub fn smooth(space: &mut Space, path: &Path) -> Curve {
             let (before, corner, after) = (&path[i], &path[i + 1], &path[i + 2]);
             let half = cut[i] * 0.5 * distance(before, corner).min(distance(corner, after));
             let alone = Curve::through(
-                &[toward(corner, before, half * 1.000_001), corner.clone(), toward(corner, after, half * 1.000_001)],
+                &[toward(corner, before, 2.0 * half), corner.clone(), toward(corner, after, 2.0 * half)],
                 &[1.0],
             );
             // How far the parabola's top is from the corner, as the robot's points see it.
@@ -115,10 +115,9 @@ fn toward(from: &[f64], to: &[f64], by: f64) -> Posture {
 }
 
 fn piece_free(space: &mut Space, piece: &Piece) -> bool {
-    let sweep = space.sweep(&piece.at(0.0), &piece.at(piece.length / 2.0))
-        + space.sweep(&piece.at(piece.length / 2.0), &piece.at(piece.length));
-    let count = (sweep / space.step).ceil().max(2.0) as usize;
-    (1..count).all(|i| space.free(&piece.at(piece.length * i as f64 / count as f64)))
+    const PARTS: usize = 12;
+    let rows: Path = (0..=PARTS).map(|i| piece.at(piece.length * i as f64 / PARTS as f64)).collect();
+    space.rows_free(&rows)
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ pub fn shorten(space: &mut Space, path: Path, attempts: usize, random: &mut impl
         shorter.dedup_by(|a, b| distance(a, b) < 1e-9);
         path = shorter;
     }
-    leave_out(space, path, budget)
+    Ok(path)
 }
 
 /// Leaves out corners where the straight line past them is free, farthest first.

@@ -50,7 +50,7 @@ impl Default for Settings {
             shortcuts: 12,
             margin: 0.002,
             step: 0.01,
-            final_step: 0.005,
+            final_step: 0.008,
             final_margin: 0.0004,
             row: 0.016,
             lower_from: 0.06,
@@ -305,7 +305,7 @@ impl<R: Rng> Carrier<'_, R> {
         let (fixtures_below, objects_below) = world.below(object, &pose, 0.002);
         let held = Held {
             object,
-            solid: world.solids[object.index()].clone(),
+            parts: world.carried[object.index()].clone(),
             tool_from_object: grasp.object_from_tool.inverse(),
             fixtures_below,
             objects_below,

@@ -275,12 +275,20 @@ impl Planner {
         let mut needs: Vec<(ObjectId, ObjectSet)> = Vec::new();
         for &object in &sequence.objects {
             let free = self.free_ways(object, &removed, 1, run)?;
+            let free = match free.first() {
+                Some(_) => free,
+                // Not straight; but the roadmap may show a way round what still stands.
+                None if self.add_route(object, &removed) => self.free_ways(object, &removed, 1, run)?,
+                None => free,
+            };
             let Some(&first) = free.first() else {
                 let mut sets = self.minimal_sets(object, run)?;
                 if self.settings.as_in_paper {
                     sets.truncate(1);
                 }
-                self.blocked(object, removed, &sets, true, run);
+                // The roadmap is the target's: with other objects gone it may show it other routes.
+                let complete = object != self.scene.target;
+                self.blocked(object, removed, &sets, complete, run);
                 return Ok(None);
             };
             needs.push((object, self.ways_of(object).map_or(ObjectSet::EMPTY, |w| w.ways[first].blocked_by)));
@@ -292,6 +300,20 @@ impl Planner {
         let carried = self.carry(&sequence, run);
         run.motion_time += began.elapsed();
         Ok(carried?.then_some(sequence))
+    }
+
+    /// Adds ways along the roadmap's route out for an object, when there is one and it bends.
+    fn add_route(&mut self, object: ObjectId, removed: &ObjectSet) -> bool {
+        let at = self.scene.objects[object.index()].pose.translation.truncate();
+        let Some(route) = self.roadmap.route(&self.floor, at, &removed.with(object)) else { return false };
+        if route.len() < 3 {
+            return false;
+        }
+        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene);
+        if let Some(ways) = self.ways[object.index()].as_mut() {
+            explorer.add_route(ways, &route);
+        }
+        true
     }
 
     /// Plans the motions of a sequence whose objects can all be picked. Steps already planned for

@@ -8,7 +8,8 @@ use crate::graph::Cluster;
 use clearway_geometry::Vec2;
 use clearway_plan::{Budget, ObjectSet, Stop};
 use rand::{Rng, RngExt};
-use std::collections::HashMap;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
 
 /// How the roadmap grows. The paper's letters are in parentheses.
 #[derive(Clone, Debug)]
@@ -185,7 +186,15 @@ impl Roadmap {
     /// The shortest way from x_g to x_s through nodes that collide with nothing but `removed`, as
     /// node indices from x_s to x_g.
     pub fn path(&self, removed: &ObjectSet) -> Option<Vec<usize>> {
+        self.path_from(1, removed)
+    }
+
+    /// The same from another node to x_s.
+    pub fn path_from(&self, start: usize, removed: &ObjectSet) -> Option<Vec<usize>> {
         let clear = |i: usize| self.nodes[i].collisions.is_subset(removed);
+        if !clear(start) {
+            return None;
+        }
         let mut near: Vec<Vec<usize>> = vec![Vec::new(); self.nodes.len()];
         for &(a, b) in &self.edges {
             if clear(a) && clear(b) {
@@ -195,14 +204,14 @@ impl Roadmap {
         }
         let mut best = vec![f64::INFINITY; self.nodes.len()];
         let mut from = vec![usize::MAX; self.nodes.len()];
-        let mut queue = std::collections::BinaryHeap::new();
-        best[1] = 0.0;
-        queue.push((std::cmp::Reverse(0u64), 1usize));
-        while let Some((std::cmp::Reverse(d), i)) = queue.pop() {
+        let mut queue = BinaryHeap::new();
+        best[start] = 0.0;
+        queue.push((Reverse(0u64), start));
+        while let Some((Reverse(d), i)) = queue.pop() {
             if i == 0 {
                 let mut path = vec![0];
                 let mut at = 0;
-                while at != 1 {
+                while at != start {
                     at = from[at];
                     path.push(at);
                 }
@@ -216,11 +225,33 @@ impl Roadmap {
                 if next < best[j] {
                     best[j] = next;
                     from[j] = i;
-                    queue.push((std::cmp::Reverse(nanometres(next)), j));
+                    queue.push((Reverse(nanometres(next)), j));
                 }
             }
         }
         None
+    }
+
+    /// A route out for something that stands at `at`, once `removed` (itself included) is gone:
+    /// world points from `at` to x_s, corners left out where the disc passes without them.
+    pub fn route(&self, floor: &Floor, at: Vec2, removed: &ObjectSet) -> Option<Vec<Vec2>> {
+        let free = |a: Vec2, b: Vec2| floor.walls_free(a, b) && floor.edge_collisions(a, b).is_subset(removed);
+        let start = (0..self.nodes.len())
+            .filter(|&i| self.nodes[i].collisions.is_subset(removed))
+            .min_by(|&i, &j| self.nodes[i].at.distance_squared(at).total_cmp(&self.nodes[j].at.distance_squared(at)))?;
+        if self.nodes[start].at.distance(at) > 0.15 {
+            return None;
+        }
+        let path = self.path_from(start, removed)?;
+        let points: Vec<Vec2> = std::iter::once(at).chain(path.iter().rev().map(|&i| self.nodes[i].at)).collect();
+        let mut route = vec![at];
+        let mut i = 0;
+        while i + 1 < points.len() {
+            let next = (i + 2..points.len()).rev().find(|&j| free(points[i], points[j])).unwrap_or(i + 1);
+            route.push(points[next]);
+            i = next;
+        }
+        Some(route)
     }
 }
 

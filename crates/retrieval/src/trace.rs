@@ -4,7 +4,7 @@ use crate::carry::Carried;
 use crate::floor::Floor;
 use crate::graph::{RetrievalGraph, Sequence};
 use crate::roadmap::Roadmap;
-use crate::ways::Ways;
+use crate::ways::{Stage, Ways};
 use clearway_collision::World;
 use clearway_plan::plan_file::{
     GraphNodeTrace, GraphTrace, JointLimits, LowerBound, MeshFile, ObjectWhy, PlanFile, PlannedHand, PlannedRobot, RoadmapTrace, Stats,
@@ -217,7 +217,7 @@ fn why_not(view: &View, status: Status, obstruction: Option<(ObjectId, &'static 
 /// What stands in the way of an object, over all its ways, and what became of its grasps.
 fn learned(view: &View, object: ObjectId) -> ObjectWhy {
     let Some(ways) = &view.ways[object.index()] else { return ObjectWhy::default() };
-    let sets = ObjectSet::minimal(ways.ways.iter().filter(|w| w.exact).map(|w| w.blocked_by).collect());
+    let sets = ObjectSet::minimal(ways.ways.iter().filter(|w| w.stage == Stage::Exact).map(|w| w.blocked_by).collect());
     ObjectWhy {
         blocked_by: sets.iter().filter(|s| !s.is_empty()).map(|s| s.names(&view.scene.names)).collect(),
         grasps: ways.counts.list(),

@@ -1,22 +1,25 @@
-//! Ways in: for each grasp and each branch of the inverse kinematics, the straight motion of the
-//! hand out of the clutter, and which objects stand in its way.
+//! Ways in: for each grasp and each branch of the inverse kinematics, how the hand draws the object
+//! out of the clutter, and which objects stand in its way.
 //!
-//! A way begins with the posture that grips the object, lifts it a little, and draws it straight
-//! back against the approach direction until it is beyond the clutter. The hand comes in along
-//! the same postures in reverse. Sets are over all objects where the scene has them, whatever was
-//! removed before, so a way is judged once: it is free when its set is gone.
+//! A way begins with the posture that grips the object, lifts it a little, and draws it out level
+//! with the hand's direction kept: straight back against the approach, or along a route that the
+//! roadmap shows. It ends beyond the clutter. The hand comes in along the same postures in
+//! reverse. Sets are over all objects where the scene has them, whatever was removed before, so a
+//! way is judged once: it is free when its set is gone.
 //!
-//! Ways are first sampled coarsely, which can miss an object but never invents one; a way is made
-//! exact only when its coarse set leaves it in the running.
+//! Ways are looked into only as far as needed: first the grasp alone, then the whole way coarsely,
+//! then finely. Each stage can only add to the set, so one that is already too large goes no
+//! further.
 
 use crate::floor::Floor;
 use crate::grasps::{Grasp, preset_grasps};
 use clearway_collision::{Held, Moment, Scratch, Touch, World};
-use clearway_geometry::Pose;
+use clearway_geometry::{Pose, Vec2};
 use clearway_motion::Posture;
 use clearway_plan::plan_file::GraspCount;
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 use clearway_robot::InverseKinematics;
+use std::sync::Arc;
 
 /// How the hand goes in and out.
 #[derive(Clone, Debug)]
@@ -38,16 +41,26 @@ impl Default for Settings {
     }
 }
 
-/// One straight way out (and in).
+/// How far a way has been looked into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    Grasp,
+    Coarse,
+    Exact,
+}
+
+/// One way out (and in).
 #[derive(Clone, Debug)]
 pub struct Way {
     pub grasp: usize,
-    /// At the grasp, lifted, and then outwards.
+    /// At the grasp; from [`Stage::Coarse`] on lifted, and then outwards.
     pub postures: Vec<Posture>,
-    /// What stands in the way; a subset of it while not `exact`.
+    /// What stands in the way; a subset of it until the stage is exact.
     pub blocked_by: ObjectSet,
-    pub exact: bool,
-    /// Ends beyond the clutter; otherwise it ends where the arm or a fixture ends it.
+    pub stage: Stage,
+    /// The route out, world offsets from where the object stands; empty for straight back.
+    pub route: Arc<Vec<Vec2>>,
+    /// Ends beyond the clutter; otherwise where the arm or a fixture ends it.
     pub clear: bool,
 }
 
@@ -57,6 +70,8 @@ pub struct Ways {
     pub grasps: Vec<Grasp>,
     pub ways: Vec<Way>,
     pub counts: Counts,
+    /// How many of the first ways are straight; the others follow routes.
+    straight: usize,
 }
 
 /// What became of the grasp postures.
@@ -101,84 +116,118 @@ pub struct Explorer<'a> {
     pub all: ObjectSet,
 }
 
-enum Ended {
-    Way(Way),
-    FixedAtGrasp,
-    FixedOnApproach,
-}
-
 impl Explorer<'_> {
-    /// Samples every way to an object coarsely.
+    /// Finds every grasp posture of an object, and what it touches.
     pub fn explore(&self, object: ObjectId, scratch: &mut Scratch, budget: &Budget) -> Result<Ways, Stop> {
         let (grasps, too_wide) = preset_grasps(self.world, object);
         let mut found = Ways { counts: Counts { too_wide, ..Counts::default() }, ..Ways::default() };
+        let route = Arc::new(Vec::new());
         for (index, grasp) in grasps.iter().enumerate() {
             budget.check()?;
             let root_from_tool = self.world.poses[object.index()] * grasp.object_from_tool;
             let branches = self.inverse.solve(&root_from_tool, &self.world.robot.home);
             if branches.is_empty() {
                 found.counts.out_of_reach += 1;
+                continue;
             }
+            let mut moment = self.moment(object, grasp);
+            moment.resting = true;
             for posture in branches {
-                match self.way(object, index, grasp, posture, self.settings.coarse, scratch) {
-                    Ended::Way(way) => {
+                match self.world.touched(&posture, &moment, scratch) {
+                    Touch::Fixed => found.counts.fixed_at_grasp += 1,
+                    Touch::Objects(blocked_by) => {
                         found.counts.ways += 1;
-                        found.ways.push(way);
+                        found.ways.push(Way {
+                            grasp: index,
+                            postures: vec![posture],
+                            blocked_by,
+                            stage: Stage::Grasp,
+                            route: route.clone(),
+                            clear: false,
+                        });
                     }
-                    Ended::FixedAtGrasp => found.counts.fixed_at_grasp += 1,
-                    Ended::FixedOnApproach => found.counts.fixed_on_approach += 1,
                 }
             }
         }
         found.grasps = grasps;
-        // Few objects in the way first; then those that lead out, then short ones.
-        found.ways.sort_by_key(|w| (w.blocked_by.len(), !w.clear, w.postures.len()));
+        found.straight = found.ways.len();
         Ok(found)
     }
 
-    /// The way from one grasp posture, with postures `step` apart.
-    fn way(&self, object: ObjectId, index: usize, grasp: &Grasp, at_grasp: Posture, step: f64, scratch: &mut Scratch) -> Ended {
-        let world = self.world;
-        let mut moment = self.moment(object, grasp);
-        moment.resting = true;
-        let mut blocked_by = match world.touched(&at_grasp, &moment, scratch) {
-            Touch::Fixed => return Ended::FixedAtGrasp,
-            Touch::Objects(set) => set,
+    /// Adds ways that draw the object out along a route: world points, the first where it stands.
+    pub fn add_route(&self, ways: &mut Ways, route: &[Vec2]) {
+        let Some(first) = route.first() else { return };
+        let offsets: Arc<Vec<Vec2>> = Arc::new(route.iter().map(|p| *p - *first).collect());
+        for i in 0..ways.straight {
+            // What the grasp posture touches is known from the straight way with the same posture.
+            let way = &ways.ways[i];
+            ways.ways.push(Way {
+                postures: vec![way.postures[0].clone()],
+                stage: Stage::Grasp,
+                route: offsets.clone(),
+                ..way.clone()
+            });
+        }
+    }
+
+    /// Looks one stage further into a way. False when it turns out to be none, and is removed.
+    fn advance(&self, object: ObjectId, ways: &mut Ways, index: usize, scratch: &mut Scratch) -> bool {
+        let way = &ways.ways[index];
+        let (next, step) = match way.stage {
+            Stage::Grasp => (Stage::Coarse, self.settings.coarse),
+            _ => (Stage::Exact, self.settings.fine),
         };
-        let mut postures = vec![at_grasp];
+        match self.draw_out(object, &ways.grasps[way.grasp], way, step, scratch) {
+            Some((postures, blocked_by, clear)) => {
+                let way = &mut ways.ways[index];
+                *way = Way { postures, blocked_by: blocked_by.union(way.blocked_by), clear, stage: next, ..way.clone() };
+                true
+            }
+            None => {
+                ways.ways.remove(index);
+                if index < ways.straight {
+                    ways.straight -= 1;
+                    ways.counts.ways -= 1;
+                    ways.counts.fixed_on_approach += 1;
+                }
+                false
+            }
+        }
+    }
+
+    /// The way from its grasp posture outwards, postures `step` apart: what it touches, and whether
+    /// it ends beyond the clutter. `None` when it does not even come as far as the standoff.
+    fn draw_out(&self, object: ObjectId, grasp: &Grasp, way: &Way, step: f64, scratch: &mut Scratch) -> Option<(Vec<Posture>, ObjectSet, bool)> {
+        let world = self.world;
+        let moment = self.moment(object, grasp);
         let start = world.poses[object.index()] * grasp.object_from_tool;
         let back = -start.rotation.z_axis;
+        let lifted = start.translation + world.up() * self.settings.lift;
         let standoff = world.robot.grasps.standoff;
-        let centre = world.poses[object.index()].translation;
-        let mut out = 0.0;
+        let offset = |out: f64| match way.route.as_slice() {
+            [] => Some(back * out),
+            route => along(route, out).map(|p| world.root_from_world.rotation * p.extend(0.0)),
+        };
+        let mut postures = vec![way.postures[0].clone()];
+        let mut blocked_by = ObjectSet::EMPTY;
         let mut clear = false;
-        let lifted = Pose::new(start.rotation, start.translation + world.up() * self.settings.lift);
-        loop {
-            let target = Pose::new(lifted.rotation, lifted.translation + back * out);
-            let last = &postures[postures.len() - 1];
-            let Some(posture) = self.inverse.follow(&target, last, 0.6) else { break };
-            // Only the lift itself is resting.
-            moment.resting = false;
+        let mut out = 0.0;
+        while let Some(moved) = offset(out) {
+            let target = Pose::new(start.rotation, lifted + moved);
+            let Some(posture) = self.inverse.follow(&target, &postures[postures.len() - 1], 0.6) else { break };
             match world.touched(&posture, &moment, scratch) {
                 Touch::Fixed => break,
                 Touch::Objects(set) => blocked_by = blocked_by.union(set),
             }
             postures.push(posture);
-            let object_at = world.world_from_root.point(centre + back * out).truncate();
+            let object_at = world.world_from_root.point(world.poses[object.index()].translation + moved).truncate();
             clear = self.floor.beyond_clutter(object_at);
             if (clear && out >= standoff) || out >= self.settings.farthest {
                 break;
             }
             out += step;
         }
-        if out < standoff && !clear {
-            return Ended::FixedOnApproach;
-        }
-        if postures.len() < 3 {
-            return Ended::FixedOnApproach;
-        }
-        let exact = step <= self.settings.fine;
-        Ended::Way(Way { grasp: index, postures, blocked_by, exact, clear })
+        (postures.len() > 2 && (out >= standoff || clear)).then_some((postures, blocked_by, clear))
     }
 
     /// The hand open and the object in it: what is touched then is in the way of coming or going.
@@ -188,7 +237,7 @@ impl Explorer<'_> {
         let mut moment = Moment::new(self.all.difference(ObjectSet::of(object)), world.robot.hand.open(), self.settings.margin);
         moment.held = Some(Held {
             object,
-            solid: world.solids[object.index()].clone(),
+            parts: world.carried[object.index()].clone(),
             tool_from_object: grasp.object_from_tool.inverse(),
             fixtures_below,
             objects_below,
@@ -196,25 +245,8 @@ impl Explorer<'_> {
         moment
     }
 
-    /// Samples way `index` finely. False when it turns out to be none, and is then removed.
-    fn refine(&self, object: ObjectId, ways: &mut Ways, index: usize, scratch: &mut Scratch) -> bool {
-        let way = &ways.ways[index];
-        let (grasp, at_grasp) = (way.grasp, way.postures[0].clone());
-        match self.way(object, grasp, &ways.grasps[grasp].clone(), at_grasp, self.settings.fine, scratch) {
-            Ended::Way(better) => {
-                ways.ways[index] = better;
-                true
-            }
-            _ => {
-                ways.ways.remove(index);
-                ways.counts.ways -= 1;
-                ways.counts.fixed_on_approach += 1;
-                false
-            }
-        }
-    }
-
-    /// Ways that are free once `removed` is gone, as many as `most`, best first; each is exact.
+    /// Ways that are free once `removed` is gone, as many as `most`; each is exact. Those that lead
+    /// out of the clutter come first, then straight before bent, then short.
     pub fn free_ways(
         &self,
         object: ObjectId,
@@ -224,40 +256,55 @@ impl Explorer<'_> {
         scratch: &mut Scratch,
         budget: &Budget,
     ) -> Result<Vec<usize>, Stop> {
-        let mut free = Vec::new();
         let mut i = 0;
-        while i < ways.ways.len() && free.len() < most {
+        let mut free = 0;
+        while i < ways.ways.len() {
             budget.check()?;
-            if ways.ways[i].blocked_by.is_subset(removed) {
-                if !ways.ways[i].exact && !self.refine(object, ways, i, scratch) {
-                    continue;
-                }
-                if ways.ways[i].blocked_by.is_subset(removed) {
-                    free.push(i);
-                }
+            let way = &ways.ways[i];
+            let open = way.blocked_by.is_subset(removed);
+            // A few more than asked for are found, so that there is a choice.
+            if open && way.stage < Stage::Exact && free < 3 * most {
+                self.advance(object, ways, i, scratch);
+                continue;
             }
+            free += usize::from(open && way.stage == Stage::Exact && way.clear);
             i += 1;
         }
+        let mut free: Vec<usize> = (0..ways.ways.len())
+            .filter(|&i| ways.ways[i].stage == Stage::Exact && ways.ways[i].blocked_by.is_subset(removed))
+            .collect();
+        free.sort_by_key(|&i| (!ways.ways[i].clear, !ways.ways[i].route.is_empty(), ways.ways[i].postures.len()));
+        free.truncate(most);
         Ok(free)
     }
 
-    /// The minimal sets over all ways: each is one way in. Ways that cannot be minimal stay coarse.
+    /// The minimal sets over all ways: each is one way in. Ways that cannot be minimal are not
+    /// looked into.
     pub fn minimal_sets(&self, object: ObjectId, ways: &mut Ways, scratch: &mut Scratch, budget: &Budget) -> Result<Vec<ObjectSet>, Stop> {
-        let mut minimal: Vec<ObjectSet> = Vec::new();
-        let mut i = 0;
-        while i < ways.ways.len() {
+        loop {
             budget.check()?;
-            if minimal.iter().any(|m| m.is_subset(&ways.ways[i].blocked_by)) {
-                i += 1;
-                continue;
-            }
-            if !ways.ways[i].exact && !self.refine(object, ways, i, scratch) {
-                continue;
-            }
-            minimal.push(ways.ways[i].blocked_by);
-            minimal = ObjectSet::minimal(minimal);
-            i += 1;
+            let exact: Vec<ObjectSet> = ways.ways.iter().filter(|w| w.stage == Stage::Exact).map(|w| w.blocked_by).collect();
+            let minimal = ObjectSet::minimal(exact);
+            let next = (0..ways.ways.len())
+                .filter(|&i| ways.ways[i].stage < Stage::Exact)
+                .filter(|&i| !minimal.iter().any(|m| m.is_subset(&ways.ways[i].blocked_by)))
+                .min_by_key(|&i| (ways.ways[i].blocked_by.len(), std::cmp::Reverse(ways.ways[i].stage)));
+            match next {
+                Some(i) => self.advance(object, ways, i, scratch),
+                None => return Ok(minimal),
+            };
         }
-        Ok(minimal)
     }
+}
+
+/// The point at a distance along a polyline; `None` past its end.
+fn along(route: &[Vec2], mut distance: f64) -> Option<Vec2> {
+    for leg in route.windows(2) {
+        let length = leg[0].distance(leg[1]);
+        if distance <= length {
+            return Some(leg[0] + (leg[1] - leg[0]) * (distance / length.max(1e-12)));
+        }
+        distance -= length;
+    }
+    None
 }

@@ -1,10 +1,11 @@
 //! What is written: to files, whole and only where that destroys nothing; to stdout and stderr.
 
+use super::directory_of;
 use crate::exit::{Exit, Failure};
 use crate::interrupt;
 use clearway::{FileError, PlanFile};
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Before any work: every output can be written, and none is an input or another output.
 pub fn check<'a>(outputs: impl IntoIterator<Item = &'a Path>, inputs: &[&Path]) -> Result<(), Failure> {
@@ -19,8 +20,15 @@ pub fn check<'a>(outputs: impl IntoIterator<Item = &'a Path>, inputs: &[&Path]) 
     Ok(())
 }
 
+/// Devices and pipes, `/dev/null` say, are never in each other's way.
 fn same_file(a: &Path, b: &Path) -> bool {
-    a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b && a.is_file())
+    let special = a.metadata().is_ok_and(|m| !m.is_file());
+    !special && whole(a).is_some_and(|a| whole(b).is_some_and(|b| a == b))
+}
+
+/// The path without links and dots, whether or not there is a file yet.
+fn whole(path: &Path) -> Option<PathBuf> {
+    path.canonicalize().ok().or_else(|| Some(directory_of(path).canonicalize().ok()?.join(path.file_name()?)))
 }
 
 /// Writes a file whole, unless Ctrl-C was pressed.
