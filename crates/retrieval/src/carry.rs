@@ -336,9 +336,13 @@ impl<R: Rng> Carrier<'_, R> {
                 lower.push(q);
             }
             lower.reverse();
+            let mut space = Space::new(world, &leaving, self.settings.step);
+            // Opening, the fingers need room between what stands there already.
+            if !space.free(&down) {
+                continue;
+            }
             let mut back = vec![down];
             let mut out = 0.0;
-            let mut space = Space::new(world, &leaving, self.settings.step);
             while out < standoff - 1e-9 {
                 out += BACK_STEP;
                 let target = Pose::new(at.rotation, at.translation - at.rotation.z_axis * out);
