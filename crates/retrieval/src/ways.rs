@@ -15,7 +15,7 @@ use crate::floor::Floor;
 use crate::grasps::{Grasp, preset_grasps};
 use clearway_collision::{Held, Moment, Scratch, Touch, World};
 use clearway_geometry::{Pose, Vec2};
-use clearway_motion::Posture;
+use clearway_motion::{Posture, distance};
 use clearway_plan::plan_file::GraspCount;
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 use clearway_robot::InverseKinematics;
@@ -246,7 +246,7 @@ impl Explorer<'_> {
     }
 
     /// Ways that are free once `removed` is gone, as many as `most`; each is exact. Those that lead
-    /// out of the clutter come first, then straight before bent, then short.
+    /// out of the clutter come first, then those that end near the resting posture.
     pub fn free_ways(
         &self,
         object: ObjectId,
@@ -273,7 +273,9 @@ impl Explorer<'_> {
         let mut free: Vec<usize> = (0..ways.ways.len())
             .filter(|&i| ways.ways[i].stage == Stage::Exact && ways.ways[i].blocked_by.is_subset(removed))
             .collect();
-        free.sort_by_key(|&i| (!ways.ways[i].clear, !ways.ways[i].route.is_empty(), ways.ways[i].postures.len()));
+        let home = &self.world.robot.home;
+        let from_home = |i: usize| ways.ways[i].postures.last().map_or(f64::INFINITY, |q| distance(q, home));
+        free.sort_by(|&a, &b| ways.ways[b].clear.cmp(&ways.ways[a].clear).then(from_home(a).total_cmp(&from_home(b))));
         free.truncate(most);
         Ok(free)
     }
