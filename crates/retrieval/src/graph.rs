@@ -129,13 +129,6 @@ impl RetrievalGraph {
         self.knowledge.get(&object)
     }
 
-    /// Forgets that ways were complete, so that other means may be tried.
-    pub fn reopen(&mut self) {
-        for known in self.knowledge.values_mut() {
-            known.complete = false;
-        }
-    }
-
     /// Forgets everything about the robot; the clusters stay.
     pub fn forget(&mut self) {
         self.knowledge.clear();
@@ -251,6 +244,16 @@ impl RetrievalGraph {
                 }
             }
         }
+    }
+
+    /// Whether each object may be had with those before it gone, for all that is known.
+    pub fn allows_all(&self, sequence: &[ObjectId]) -> bool {
+        let mut removed = ObjectSet::EMPTY;
+        sequence.iter().all(|&object| {
+            let allowed = self.allows(object, &removed);
+            removed.insert(object);
+            allowed
+        })
     }
 
     fn allows(&self, object: ObjectId, removed: &ObjectSet) -> bool {

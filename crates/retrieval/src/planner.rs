@@ -99,6 +99,8 @@ pub struct Planner {
     graph: RetrievalGraph,
     /// By object; what was found out about reaching it.
     ways: Vec<Option<Ways>>,
+    /// Ways that end among the clutter are good enough.
+    partial_ways: bool,
     scratch: Scratch,
 }
 
@@ -132,7 +134,7 @@ impl Planner {
         let roadmap = Roadmap::new(&floor);
         let graph = new_graph(&scene);
         let ways = vec![None; scene.objects.len()];
-        Ok(Self { scene, world, inverse, settings, start, floor, roadmap, graph, ways, scratch: Scratch::default() })
+        Ok(Self { scene, world, inverse, settings, start, floor, roadmap, graph, ways, partial_ways: false, scratch: Scratch::default() })
     }
 
     pub fn scene(&self) -> &Scene {
@@ -161,6 +163,7 @@ impl Planner {
                 self.roadmap = Roadmap::new(&self.floor);
                 self.graph = new_graph(&scene);
                 self.ways = vec![None; scene.objects.len()];
+                self.partial_ways = false;
                 self.scene = *scene;
             }
         }
@@ -261,11 +264,15 @@ impl Planner {
             }
             if limit < count {
                 limit += 1;
-            } else {
-                // Everything known has failed at the widest limit: other motions may be found.
-                self.graph.forget();
-                self.graph.add_direct(&direct);
+                continue;
             }
+            // Everything known has failed at the widest limit. From the beginning, then: other
+            // motions may be found, also from where a way ends among the clutter.
+            self.partial_ways = true;
+            self.graph.forget();
+            let direct = self.minimal_sets(target, run)?;
+            self.graph.add_direct(&direct);
+            limit = 1;
         }
     }
 
@@ -294,8 +301,13 @@ impl Planner {
             needs.push((object, self.ways_of(object).map_or(ObjectSet::EMPTY, |w| w.ways[first].blocked_by)));
             removed.insert(object);
         }
-        let objects = if self.settings.as_in_paper { sequence.objects.clone() } else { needed(&needs) };
-        let sequence = Sequence { objects, ..sequence };
+        // What none of the ways chosen needs may stay, unless its staying has failed already.
+        let needed = needed(&needs);
+        let sequence = if !self.settings.as_in_paper && self.graph.allows_all(&needed) {
+            Sequence { objects: needed, ..sequence }
+        } else {
+            sequence
+        };
         let began = Instant::now();
         let carried = self.carry(&sequence, run);
         run.motion_time += began.elapsed();
@@ -309,7 +321,7 @@ impl Planner {
         if route.len() < 3 {
             return false;
         }
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene);
+        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways);
         if let Some(ways) = self.ways[object.index()].as_mut() {
             explorer.add_route(ways, &route);
         }
@@ -409,7 +421,7 @@ impl Planner {
 
     fn explore(&mut self, object: ObjectId, run: &Run) -> Result<(), Stop> {
         if self.ways[object.index()].is_none() {
-            let found = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene).explore(object, &mut self.scratch, &run.budget)?;
+            let found = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways).explore(object, &mut self.scratch, &run.budget)?;
             self.ways[object.index()] = Some(found);
         }
         Ok(())
@@ -417,7 +429,7 @@ impl Planner {
 
     fn free_ways(&mut self, object: ObjectId, removed: &ObjectSet, most: usize, run: &Run) -> Result<Vec<usize>, Stop> {
         self.explore(object, run)?;
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene);
+        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways);
         match self.ways[object.index()].as_mut() {
             Some(ways) => explorer.free_ways(object, ways, removed, most, &mut self.scratch, &run.budget),
             None => Ok(Vec::new()),
@@ -426,7 +438,7 @@ impl Planner {
 
     fn minimal_sets(&mut self, object: ObjectId, run: &Run) -> Result<Vec<ObjectSet>, Stop> {
         self.explore(object, run)?;
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene);
+        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways);
         match self.ways[object.index()].as_mut() {
             Some(ways) => explorer.minimal_sets(object, ways, &mut self.scratch, &run.budget),
             None => Ok(Vec::new()),
@@ -474,8 +486,15 @@ enum Outcome {
     Stopped(Stop),
 }
 
-fn explorer<'a>(world: &'a World, inverse: &'a InverseKinematics, floor: &'a Floor, settings: &'a Settings, scene: &Scene) -> Explorer<'a> {
-    Explorer { world, inverse, floor, settings: &settings.ways, all: ObjectSet::first(scene.objects.len()) }
+fn explorer<'a>(
+    world: &'a World,
+    inverse: &'a InverseKinematics,
+    floor: &'a Floor,
+    settings: &'a Settings,
+    scene: &Scene,
+    partial: bool,
+) -> Explorer<'a> {
+    Explorer { world, inverse, floor, settings: &settings.ways, all: ObjectSet::first(scene.objects.len()), partial }
 }
 
 fn new_graph(scene: &Scene) -> RetrievalGraph {

@@ -114,6 +114,8 @@ pub struct Explorer<'a> {
     pub settings: &'a Settings,
     /// All objects of the scene.
     pub all: ObjectSet,
+    /// Ways that end among the clutter count, too.
+    pub partial: bool,
 }
 
 impl Explorer<'_> {
@@ -245,6 +247,11 @@ impl Explorer<'_> {
         moment
     }
 
+    /// Whether a way leads where it should, for all that is known.
+    fn counts(&self, way: &Way) -> bool {
+        way.clear || way.stage == Stage::Grasp || self.partial
+    }
+
     /// Ways that are free once `removed` is gone, as many as `most`; each is exact. Those that lead
     /// out of the clutter come first, then those that end near the resting posture.
     pub fn free_ways(
@@ -261,7 +268,7 @@ impl Explorer<'_> {
         while i < ways.ways.len() {
             budget.check()?;
             let way = &ways.ways[i];
-            let open = way.blocked_by.is_subset(removed);
+            let open = self.counts(way) && way.blocked_by.is_subset(removed);
             // A few more than asked for are found, so that there is a choice.
             if open && way.stage < Stage::Exact && free < 3 * most {
                 self.advance(object, ways, i, scratch);
@@ -271,7 +278,7 @@ impl Explorer<'_> {
             i += 1;
         }
         let mut free: Vec<usize> = (0..ways.ways.len())
-            .filter(|&i| ways.ways[i].stage == Stage::Exact && ways.ways[i].blocked_by.is_subset(removed))
+            .filter(|&i| ways.ways[i].stage == Stage::Exact && self.counts(&ways.ways[i]) && ways.ways[i].blocked_by.is_subset(removed))
             .collect();
         let home = &self.world.robot.home;
         let from_home = |i: usize| ways.ways[i].postures.last().map_or(f64::INFINITY, |q| distance(q, home));
@@ -285,10 +292,10 @@ impl Explorer<'_> {
     pub fn minimal_sets(&self, object: ObjectId, ways: &mut Ways, scratch: &mut Scratch, budget: &Budget) -> Result<Vec<ObjectSet>, Stop> {
         loop {
             budget.check()?;
-            let exact: Vec<ObjectSet> = ways.ways.iter().filter(|w| w.stage == Stage::Exact).map(|w| w.blocked_by).collect();
+            let exact: Vec<ObjectSet> = ways.ways.iter().filter(|w| w.stage == Stage::Exact && self.counts(w)).map(|w| w.blocked_by).collect();
             let minimal = ObjectSet::minimal(exact);
             let next = (0..ways.ways.len())
-                .filter(|&i| ways.ways[i].stage < Stage::Exact)
+                .filter(|&i| ways.ways[i].stage < Stage::Exact && self.counts(&ways.ways[i]))
                 .filter(|&i| !minimal.iter().any(|m| m.is_subset(&ways.ways[i].blocked_by)))
                 .min_by_key(|&i| (ways.ways[i].blocked_by.len(), std::cmp::Reverse(ways.ways[i].stage)));
             match next {
