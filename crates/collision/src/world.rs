@@ -2,9 +2,9 @@
 
 use crate::obstacle::{MovingPart, Obstacle};
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
-use clearway_plan::ObjectId;
+use clearway_plan::{ObjectId, ObjectSet};
 use clearway_robot::{JointKind, Kinematics, Robot, Sphere, bounding_sphere, cover};
-use clearway_scene::Scene;
+use clearway_scene::{Scene, Support};
 use std::sync::Arc;
 
 /// A link's shapes, in its own frame.
@@ -35,6 +35,8 @@ pub struct World {
     pub solids: Vec<Arc<Solid>>,
     /// By object id: its parts, as a hand carries them.
     pub carried: Vec<Arc<Vec<MovingPart>>>,
+    /// By object id: what rests on it, at least in part, and would fall.
+    pub loads: Vec<ObjectSet>,
     /// `root_from_object`, where the scene has them.
     pub poses: Vec<Pose>,
     /// Pairs of links that are checked against each other.
@@ -104,6 +106,7 @@ impl World {
             objects: Vec::new(),
             solids: Vec::new(),
             carried: Vec::new(),
+            loads: Vec::new(),
             poses: Vec::new(),
             pairs,
             unchecked,
@@ -126,6 +129,14 @@ impl World {
         self.solids = scene.objects.iter().map(|o| o.solid.clone()).collect();
         let tag = self.links.len() * TAGS_PER_LINK;
         self.carried = self.solids.iter().map(|s| Arc::new(moving_parts(s, tag))).collect();
+        self.loads = vec![ObjectSet::EMPTY; scene.objects.len()];
+        for (index, object) in scene.objects.iter().enumerate() {
+            if let Support::Objects(below) = &object.support {
+                for carrier in below {
+                    self.loads[carrier.index()].insert(ObjectId(index as u16));
+                }
+            }
+        }
         self.poses = scene.objects.iter().map(|o| self.root_from_world * o.pose).collect();
     }
 
@@ -137,7 +148,7 @@ impl World {
 
     /// The fixtures and standing objects that carry an object at rest at `root_from_object`: those
     /// it touches there, but no longer when raised by a little.
-    pub fn below(&self, object: ObjectId, root_from_object: &Pose, margin: f64) -> (Vec<usize>, clearway_plan::ObjectSet) {
+    pub fn below(&self, object: ObjectId, root_from_object: &Pose, margin: f64) -> (Vec<usize>, ObjectSet) {
         let raised = Pose::new(root_from_object.rotation, root_from_object.translation + self.up() * (2.0 * margin + 0.001));
         let touches = |other: &Obstacle, pose: &Pose| {
             self.solids[object.index()].parts.iter().any(|(part, convex)| {

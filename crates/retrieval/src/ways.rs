@@ -137,7 +137,9 @@ impl Explorer<'_> {
             for posture in branches {
                 match self.world.touched(&posture, &moment, scratch) {
                     Touch::Fixed => found.counts.fixed_at_grasp += 1,
-                    Touch::Objects(blocked_by) => {
+                    Touch::Objects(touched) => {
+                        // Nothing is lifted from under a load.
+                        let blocked_by = touched.union(self.world.loads[object.index()]);
                         found.counts.ways += 1;
                         found.ways.push(Way {
                             grasp: index,

@@ -141,3 +141,17 @@ fn a_bare_urdf_is_described() {
     let text = report_model(&model);
     assert!(text.contains("root link base") && text.contains("follows: right = 1 × left"), "{text}");
 }
+
+#[test]
+fn what_is_mounted_is_the_first_shape_below_the_root() {
+    let mounted = |urdf: &str| {
+        let directory = written(FILE, urdf, SRDF);
+        let robot = load_from(directory.path()).expect("the small robot");
+        let links: Vec<String> = (0..robot.links.len()).filter(|&l| robot.mounted(l)).map(|l| robot.links[l].name.clone()).collect();
+        links
+    };
+    assert_eq!(mounted(URDF), ["base"]);
+    let world = "<robot name=\"small\">\n  <link name=\"world\"/>\n  <joint name=\"floor\" type=\"fixed\">\
+                 <parent link=\"world\"/><child link=\"base\"/></joint>";
+    assert_eq!(mounted(&with(URDF, "<robot name=\"small\">", world)), ["world", "base"]);
+}

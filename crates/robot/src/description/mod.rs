@@ -89,6 +89,19 @@ impl Robot {
         self.joints.iter().position(|j| j.name == name)
     }
 
+    /// Whether the link is part of what is mounted, and so may meet what it stands on: the root, or,
+    /// where that has no shape, the links fixed to it.
+    pub fn mounted(&self, link: usize) -> bool {
+        let mut at = link;
+        while let Some(joint) = self.links[at].parent_joint.map(|j| &self.joints[j]) {
+            if joint.kind != JointKind::Fixed || !self.links[joint.parent].collision.parts.is_empty() {
+                return false;
+            }
+            at = joint.parent;
+        }
+        true
+    }
+
     /// The names of the joints planned for, in order.
     pub fn arm_names(&self) -> Vec<&str> {
         self.arm.iter().map(|&j| self.joints[j].name.as_str()).collect()
