@@ -7,7 +7,7 @@ use crate::directions::Directions;
 use crate::obstacle::{MovingPart, Obstacle};
 use crate::query::{SELF_MARGIN, Scratch, held_near, held_near_link, link_near, links_near};
 use crate::world::World;
-use clearway_geometry::Pose;
+use clearway_geometry::{Pose, Vec3};
 use clearway_plan::ObjectSet;
 
 /// What a probe found.
@@ -69,9 +69,9 @@ impl World {
     /// Probes a posture; with `slack`, also what lies around it.
     pub fn probe(&self, posture: &[f64], moment: &Moment, slack: Option<&Slack>, scratch: &mut Scratch) -> Probe {
         scratch.checked += 1;
-        self.kinematics.frames(posture, moment.hand, &mut scratch.frames);
-        let Scratch { frames, directions, .. } = scratch;
-        let frames: &[Pose] = frames;
+        self.place_links(posture, moment.hand, scratch);
+        let Scratch { frames, centres, directions, .. } = scratch;
+        let (frames, centres): (&[Pose], &[Vec3]) = (frames, centres);
         // Once something is near, the rest is only asked whether it is hit.
         let mut around = slack;
         macro_rules! check {
@@ -104,24 +104,24 @@ impl World {
         }
         for (index, link) in self.links.iter().enumerate().rev() {
             let Some(link) = link.as_ref().filter(|l| !l.still) else { continue };
-            let frame = &frames[index];
+            let (frame, centre) = (&frames[index], centres[index]);
             for fixture in &self.fixtures {
-                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, fixture, moment.margin + more, directions));
+                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, centre, fixture, moment.margin + more, directions));
             }
             for id in moment.standing.iter() {
                 let margin = if link.hand && moment.gripping == Some(id) { 0.0 } else { moment.margin };
                 let object = &self.objects[id.index()];
-                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, object, margin + more, directions));
+                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, centre, object, margin + more, directions));
             }
             for (id, placed) in &moment.placed {
                 let margin = if link.hand && moment.gripping == Some(*id) { 0.0 } else { moment.margin };
-                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, placed, margin + more, directions));
+                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, centre, placed, margin + more, directions));
             }
         }
         for &(a, b) in &self.pairs {
             let (Some(la), Some(lb)) = (&self.links[a], &self.links[b]) else { continue };
             check!(|s: &Slack| s.between(self, a, b), |more: f64| {
-                links_near(la, &frames[a], lb, &frames[b], SELF_MARGIN + more, directions)
+                links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN + more, directions)
             });
         }
         if around.is_some() { Probe::Around } else { Probe::Here }

@@ -25,6 +25,8 @@ impl Touch {
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     pub(crate) frames: Vec<Pose>,
+    /// By link: the middle of its bounding sphere.
+    pub(crate) centres: Vec<Vec3>,
     pub(crate) directions: Directions,
     /// How many postures were checked with it.
     pub checked: u64,
@@ -37,19 +39,19 @@ impl World {
     /// Everything movable that the posture touches, or that it touches something fixed.
     pub fn touched(&self, posture: &[f64], moment: &Moment, scratch: &mut Scratch) -> Touch {
         scratch.checked += 1;
-        self.kinematics.frames(posture, moment.hand, &mut scratch.frames);
-        let Scratch { frames, directions, .. } = scratch;
-        let frames: &[Pose] = frames;
+        self.place_links(posture, moment.hand, scratch);
+        let Scratch { frames, centres, directions, .. } = scratch;
+        let (frames, centres): (&[Pose], &[Vec3]) = (frames, centres);
         let margin = moment.margin;
         let mut touched = ObjectSet::EMPTY;
-        let moving = || self.moving(frames);
-        for (link, frame) in moving() {
-            if self.fixtures.iter().any(|f| link_near(link, frame, f, margin, directions)) {
+        let moving = || self.moving(frames, centres);
+        for (link, frame, centre) in moving() {
+            if self.fixtures.iter().any(|f| link_near(link, frame, centre, f, margin, directions)) {
                 return Touch::Fixed;
             }
             for (id, placed) in &moment.placed {
                 let margin = if link.hand && moment.gripping == Some(*id) { 0.0 } else { margin };
-                if link_near(link, frame, placed, margin, directions) {
+                if link_near(link, frame, centre, placed, margin, directions) {
                     return Touch::Fixed;
                 }
             }
@@ -64,21 +66,33 @@ impl World {
         }
         for id in moment.standing.iter() {
             let object = &self.objects[id.index()];
-            for (link, frame) in moving() {
+            for (link, frame, centre) in moving() {
                 let margin = if link.hand && moment.gripping == Some(id) { 0.0 } else { margin };
-                if link_near(link, frame, object, margin, directions) {
+                if link_near(link, frame, centre, object, margin, directions) {
                     touched.insert(id);
                     break;
                 }
             }
         }
-        if self.meets_itself(frames, directions) { Touch::Fixed } else { Touch::Objects(touched) }
+        if self.meets_itself(frames, centres, directions) { Touch::Fixed } else { Touch::Objects(touched) }
     }
 
-    /// The links with shapes that move, with their frames.
+    /// Computes the links' frames and middles for a posture.
     #[inline]
-    fn moving<'a>(&'a self, frames: &'a [Pose]) -> impl Iterator<Item = (&'a LinkBody, &'a Pose)> {
-        self.links.iter().zip(frames).filter_map(|(l, f)| l.as_ref().filter(|l| !l.still).map(|l| (l, f)))
+    pub(crate) fn place_links(&self, posture: &[f64], hand: f64, scratch: &mut Scratch) {
+        self.kinematics.frames(posture, hand, &mut scratch.frames);
+        scratch.centres.clear();
+        let middle = |(link, frame): (&Option<LinkBody>, &Pose)| link.as_ref().map_or(Vec3::ZERO, |l| frame.point(l.bound.centre));
+        scratch.centres.extend(self.links.iter().zip(&scratch.frames).map(middle));
+    }
+
+    /// The links with shapes that move, with their frames and middles.
+    #[inline]
+    fn moving<'a>(&'a self, frames: &'a [Pose], centres: &'a [Vec3]) -> impl Iterator<Item = (&'a LinkBody, &'a Pose, Vec3)> {
+        self.links
+            .iter()
+            .zip(frames.iter().zip(centres))
+            .filter_map(|(l, (f, c))| l.as_ref().filter(|l| !l.still).map(|l| (l, f, *c)))
     }
 
     /// True when it meets something fixed; objects met are added to `touched`.
@@ -116,10 +130,10 @@ impl World {
 
     /// Whether two links come closer than they should.
     #[inline]
-    pub(crate) fn meets_itself(&self, frames: &[Pose], directions: &mut Directions) -> bool {
+    pub(crate) fn meets_itself(&self, frames: &[Pose], centres: &[Vec3], directions: &mut Directions) -> bool {
         self.pairs.iter().any(|&(a, b)| {
             let (Some(la), Some(lb)) = (&self.links[a], &self.links[b]) else { return false };
-            links_near(la, &frames[a], lb, &frames[b], SELF_MARGIN, directions)
+            links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN, directions)
         })
     }
 }
@@ -151,10 +165,17 @@ pub(crate) fn held_near_link(
     })
 }
 
-/// Whether a link comes closer to an obstacle than `margin`.
+/// Whether a link, the middle of its bounding sphere at `centre`, comes closer to an obstacle than
+/// `margin`.
 #[inline]
-pub(crate) fn link_near(link: &LinkBody, frame: &Pose, obstacle: &Obstacle, margin: f64, directions: &mut Directions) -> bool {
-    let centre = frame.point(link.bound.centre);
+pub(crate) fn link_near(
+    link: &LinkBody,
+    frame: &Pose,
+    centre: Vec3,
+    obstacle: &Obstacle,
+    margin: f64,
+    directions: &mut Directions,
+) -> bool {
     if !obstacle.near_bound(centre, link.bound.radius, margin) {
         return false;
     }
@@ -166,17 +187,15 @@ pub(crate) fn link_near(link: &LinkBody, frame: &Pose, obstacle: &Obstacle, marg
     })
 }
 
-/// Whether two links come closer than `margin`.
+/// Whether two links, each with its frame and the middle of its bounding sphere, come closer than
+/// `margin`.
 #[inline]
 pub(crate) fn links_near(
-    a: &LinkBody,
-    frame_a: &Pose,
-    b: &LinkBody,
-    frame_b: &Pose,
+    (a, frame_a, ca): (&LinkBody, &Pose, Vec3),
+    (b, frame_b, cb): (&LinkBody, &Pose, Vec3),
     margin: f64,
     directions: &mut Directions,
 ) -> bool {
-    let (ca, cb) = (frame_a.point(a.bound.centre), frame_b.point(b.bound.centre));
     if ca.distance_squared(cb) > (a.bound.radius + b.bound.radius + margin).powi(2) {
         return false;
     }

@@ -3,7 +3,8 @@
 use crate::directions::Directions;
 use crate::moment::Moment;
 use crate::query::{link_near, links_near};
-use crate::world::World;
+use crate::world::{LinkBody, World};
+use clearway_geometry::Pose;
 use clearway_scene::Scene;
 use std::fmt;
 
@@ -33,10 +34,11 @@ impl World {
         self.kinematics.frames(posture, moment.hand, &mut frames);
         let mut contacts = Vec::new();
         let directions = &mut Directions::default();
+        let middle = |link: &LinkBody, frame: &Pose| frame.point(link.bound.centre);
         let name = |i: usize| self.robot.links[i].name.clone();
         for &(a, b) in &self.pairs {
             if let (Some(la), Some(lb)) = (&self.links[a], &self.links[b])
-                && links_near(la, &frames[a], lb, &frames[b], margin, directions)
+                && links_near((la, &frames[a], middle(la, &frames[a])), (lb, &frames[b], middle(lb, &frames[b])), margin, directions)
             {
                 contacts.push(Contact::Links(name(a), name(b)));
             }
@@ -44,12 +46,12 @@ impl World {
         for (index, (link, frame)) in self.links.iter().zip(&frames).enumerate() {
             let Some(link) = link.as_ref().filter(|_| index != 0) else { continue };
             for (fixture, obstacle) in scene.fixtures.iter().zip(&self.fixtures) {
-                if link_near(link, frame, obstacle, margin, directions) {
+                if link_near(link, frame, middle(link, frame), obstacle, margin, directions) {
                     contacts.push(Contact::Fixture { link: name(index), fixture: fixture.id.clone() });
                 }
             }
             for id in moment.standing.iter() {
-                if link_near(link, frame, &self.objects[id.index()], margin, directions) {
+                if link_near(link, frame, middle(link, frame), &self.objects[id.index()], margin, directions) {
                     contacts.push(Contact::Object { link: name(index), object: scene.names[id.index()].clone() });
                 }
             }
