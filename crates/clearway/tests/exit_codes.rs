@@ -2,7 +2,7 @@
 
 mod program;
 
-use program::{Program, SHELF, covered_tray, far_away, json, shelf_with};
+use program::{Program, SHELF, closed_shelf, covered_tray, far_away, json, shelf_with};
 
 #[test]
 fn solved_is_0_and_verified() {
@@ -54,14 +54,16 @@ fn violations_are_1() {
 #[test]
 fn proved_impossible_is_3_and_says_why() {
     let program = Program::new();
-    program.write("scene.yaml", &far_away());
-    let done = program.run("plan scene.yaml -o plan.json");
-    assert_eq!((done.code, done.out.as_str()), (Some(3), ""), "{}", done.err);
-    assert!(done.err.starts_with("impossible: ") && done.err.contains("o15"), "{}", done.err);
-    let plan = program.json("plan.json");
-    assert_eq!(plan["status"], "impossible");
-    assert!(plan["why"]["summary"].as_str().is_some_and(|s| s.contains("o15")));
-    assert!(program.does("explain plan.json").out.contains("impossible"));
+    for scene in [far_away(), closed_shelf()] {
+        program.write("scene.yaml", &scene);
+        let done = program.run("plan scene.yaml -o plan.json");
+        assert_eq!((done.code, done.out.as_str()), (Some(3), ""), "{}", done.err);
+        assert!(done.err.starts_with("impossible: ") && done.err.contains("o15"), "{}", done.err);
+        let plan = program.json("plan.json");
+        assert_eq!(plan["status"], "impossible");
+        assert!(plan["why"]["summary"].as_str().is_some_and(|s| s.contains("o15")));
+        assert!(program.does("explain plan.json").out.contains("impossible"));
+    }
 }
 
 #[test]

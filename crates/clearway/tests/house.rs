@@ -1,4 +1,5 @@
-//! Which rooms of the house may use which, held against what `cargo metadata` says.
+//! Which rooms of the house may use which: the table of ARCHITECTURE.md, held against what
+//! `cargo metadata` says.
 
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -41,6 +41,12 @@ pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
             }
         }
     }
+    if robot.hand.kind == HandKind::Parallel && robot.grasps.list.is_empty() && !last_joint_turns_round(world) {
+        // A parallel hand is the same upside down; a last joint that turns round finds that itself.
+        let flip = Pose::new(Mat3::from_rotation_z(std::f64::consts::PI), Vec3::ZERO);
+        let flipped: Vec<Pose> = poses.iter().map(|p| *p * flip).collect();
+        poses.extend(flipped);
+    }
     let mut fingers = Fingers::new(world);
     let mut dropped = 0;
     let mut grasps = Vec::new();
@@ -54,6 +60,12 @@ pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
         }
     }
     (grasps, dropped)
+}
+
+/// Whether the arm's last joint can make a whole turn.
+fn last_joint_turns_round(world: &World) -> bool {
+    let robot = &world.robot;
+    robot.lower.last().zip(robot.upper.last()).is_some_and(|(low, high)| high - low >= TAU)
 }
 
 /// A level grasp from direction `angle` (the hand points that way, world yaw) at a fraction of the

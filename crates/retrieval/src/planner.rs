@@ -448,10 +448,11 @@ impl Planner {
     /// Whether every declared grasp fails for a reason that removing objects cannot mend, by a
     /// complete inverse kinematics, and without the margins that the search keeps.
     fn proved_out_of_reach(&mut self, object: ObjectId, run: &Run) -> Result<bool, Stop> {
-        if !self.inverse.complete() {
+        let Some(ways) = self.ways_of(object) else { return Ok(false) };
+        // With grasps left, finding no posture proves something only if every posture is found.
+        if !ways.grasps.is_empty() && !self.inverse.complete() {
             return Ok(false);
         }
-        let Some(ways) = self.ways_of(object) else { return Ok(false) };
         let mut moment = Moment::new(ObjectSet::EMPTY, self.world.robot.hand.open(), 0.0);
         moment.gripping = Some(object);
         let grasps: Vec<_> = ways.grasps.iter().map(|g| g.object_from_tool).collect();

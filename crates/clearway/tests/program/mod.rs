@@ -105,6 +105,11 @@ pub fn far_away() -> String {
     shelf_with("    position:\n    - 0.0\n", "    position:\n    - -3.0\n")
 }
 
+/// The example scene with its opening closed: a fixture in every grasp.
+pub fn closed_shelf() -> String {
+    shelf_with("fixtures:\n", "fixtures:\n- {id: curtain, box: {size: [0.045, 1.09, 0.52]}, position: [0.5225, 0, 0.85]}\n")
+}
+
 /// The example scene with a lid over the tray: nothing can be put down, and that is not proved.
 pub fn covered_tray() -> String {
     shelf_with("fixtures:\n", "fixtures:\n- {id: lid, box: {size: [0.5, 0.8, 0.02]}, position: [0.1, -0.82, 0.58]}\n")

@@ -7,7 +7,7 @@ use clearway_geometry::{Mat3, Pose, Vec3};
 use std::f64::consts::PI;
 
 /// Starts per pose; a seven-joint arm then shows most of its families of postures.
-const SEEDS: usize = 24;
+const SEEDS: usize = 12;
 const STEPS: usize = 60;
 
 /// Postures spread evenly over the joint ranges (Halton), the resting posture first.

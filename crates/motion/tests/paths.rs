@@ -1,0 +1,65 @@
+//! Paths on the example shelf: free when checked again much finer, ends kept, shorter after shortening.
+#![allow(clippy::unwrap_used)]
+
+use clearway_collision::{Moment, Scratch, World};
+use clearway_motion::{Limits, RrtSettings, Space, connect, distance, length, shorten, smooth, time_curve};
+use clearway_plan::{Budget, ObjectSet};
+use clearway_robot::Robot;
+use clearway_scene::Scene;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use std::path::Path;
+use std::sync::Arc;
+
+#[test]
+fn paths_are_free_and_timed_within_limits() {
+    let scene = Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/shelf.yaml")).unwrap();
+    let robot = Arc::new(Robot::load(&scene.file.robot.model, Path::new("."), &[]).unwrap());
+    let world = World::new(robot, &scene);
+    let moment = Moment::new(ObjectSet::first(scene.objects.len()), 0.0, 0.002);
+    let mut space = Space::new(&world, &moment, 0.01);
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(11);
+    let limits = Limits { velocity: world.robot.velocity.clone(), acceleration: world.robot.acceleration.clone() };
+    let budget = Budget::unlimited();
+    let (mut found, mut bent) = (0, 0);
+    for _ in 0..60 {
+        let goal: Vec<f64> = world.robot.home.iter().map(|h| h + 3.0 * (random.random::<f64>() - 0.5)).collect();
+        let start = world.robot.home.clone();
+        let Some(path) = connect(&mut space, &start, &[goal.clone()], &RrtSettings::default(), &mut random, &budget).unwrap() else {
+            continue;
+        };
+        found += 1;
+        bent += usize::from(path.len() > 2);
+        assert!(distance(&path[0], &start) < 1e-12 && distance(&path[path.len() - 1], &goal) < 1e-12);
+        let shorter = shorten(&mut space, path.clone(), 20, &mut random, &budget).unwrap();
+        assert!(length(&shorter) <= length(&path) + 1e-9);
+        let timed = time_curve(&smooth(&mut space, &shorter), &limits, 0.02);
+        assert!(distance(&timed.positions[0], &start) < 1e-9);
+        assert!(distance(&timed.positions[timed.positions.len() - 1], &goal) < 1e-9);
+        // Half a millimetre of the margin may be lost between the checks, not all of it.
+        let strict = Moment { margin: 0.0005, ..moment.clone() };
+        let mut scratch = Scratch::default();
+        for path in [&shorter, &timed.positions] {
+            for w in path.windows(2) {
+                let count = (distance(&w[0], &w[1]) / 0.002).ceil().max(1.0) as usize;
+                for i in 0..=count {
+                    let t = i as f64 / count as f64;
+                    let q: Vec<f64> = w[0].iter().zip(&w[1]).map(|(a, b)| a + (b - a) * t).collect();
+                    assert!(world.free(&q, &strict, &mut scratch));
+                }
+            }
+        }
+        let mut velocity = vec![0.0; 6];
+        for (w, t) in timed.positions.windows(2).zip(timed.times.windows(2)) {
+            let dt = t[1] - t[0];
+            assert!(dt <= 0.02 + 1e-9);
+            for j in 0..6 {
+                let v = (w[1][j] - w[0][j]) / dt;
+                assert!(v.abs() <= limits.velocity[j] * 1.0001);
+                assert!(((v - velocity[j]) / dt).abs() <= limits.acceleration[j] * 1.0001);
+                velocity[j] = v;
+            }
+        }
+    }
+    assert!(found > 15 && bent > 3, "{found} {bent}");
+}
