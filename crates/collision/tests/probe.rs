@@ -68,7 +68,7 @@ fn touched_sets_are_those_of_brute_force() {
     let mut scratch = Scratch::default();
     let (mut with_objects, mut looked_at) = (0, 0);
     let all = ObjectSet::first(scene.objects.len());
-    for i in 0..3000 {
+    for i in 0..6000 {
         let carried = ObjectId(i % 16);
         let standing = if i % 2 == 0 { all } else { all.difference(ObjectSet::of(carried)) };
         let mut moment = Moment::new(standing, world.robot.hand.open(), 0.003);

@@ -128,7 +128,8 @@ impl Roadmap {
             .iter()
             .enumerate()
             .map(|(i, n)| (n.at.distance_squared(at), i))
-            .filter(|(d, _)| *d < settings.longest_edge * settings.longest_edge)
+            // The edge just extended may be δ long to the last digit: rounding must not drop it.
+            .filter(|(d, _)| d.sqrt() <= settings.longest_edge * (1.0 + 1e-9))
             .collect();
         near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         near.truncate(settings.neighbours);
