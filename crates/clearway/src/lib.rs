@@ -36,5 +36,10 @@ pub fn open(path: &Path, packages: &[(String, PathBuf)]) -> Result<(Scene, Arc<R
     let scene = Scene::from_text(path, &text)?;
     let robot = Robot::load(&scene.file.robot.model, &scene.directory, packages)
         .map_err(|error| error.referenced_from(path, yaml::position(&text, &["robot", "model"])))?;
+    if scene.file.robot.region.is_some() && robot.planar_base.is_none() {
+        return Err(FileError::new(path, "`robot.region` is given, but the robot's base does not drive")
+            .at_position(yaml::position(&text, &["robot", "region"]))
+            .help("delete the key, or let the robot file say `mobile: {planar: …}`"));
+    }
     Ok((scene, Arc::new(robot)))
 }

@@ -34,12 +34,13 @@ pub struct Moment {
     pub resting: bool,
     /// The hand's joint value.
     pub hand: f64,
-    /// Closer than this is touching, metres.
+    /// Closer than this is touching, metres: for the robot's links, and for what the hand holds.
     pub margin: f64,
+    pub held_margin: f64,
 }
 
 impl Moment {
     pub fn new(standing: ObjectSet, hand: f64, margin: f64) -> Self {
-        Self { standing, placed: Vec::new(), held: None, gripping: None, resting: false, hand, margin }
+        Self { standing, placed: Vec::new(), held: None, gripping: None, resting: false, hand, margin, held_margin: margin }
     }
 }

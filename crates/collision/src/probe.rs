@@ -93,11 +93,11 @@ impl World {
             let last = self.links.len();
             let root_from_object = frames[self.kinematics.tool] * held.tool_from_object;
             for part in held.parts.iter() {
-                check!(|s: &Slack| s.links[last], |more| self.held_near(part, &root_from_object, moment, held, moment.margin + more, directions));
+                check!(|s: &Slack| s.links[last], |more| self.held_near(part, &root_from_object, moment, held, moment.held_margin + more, directions));
                 for (index, link) in self.links.iter().enumerate() {
                     let Some(link) = link.as_ref().filter(|l| !l.hand) else { continue };
                     check!(|s: &Slack| s.links[last] + s.links[index], |more: f64| {
-                        held_near_link(part, &root_from_object, link, &frames[index], moment.margin + more, directions)
+                        held_near_link(part, &root_from_object, link, &frames[index], moment.held_margin + more, directions)
                     });
                 }
             }

@@ -107,7 +107,7 @@ impl World {
         directions: &mut Directions,
         touched: &mut ObjectSet,
     ) -> bool {
-        let margin = moment.margin;
+        let margin = moment.held_margin;
         let mut near = |o: &Obstacle| held_near(part, root_from_object, o, margin, directions);
         for (index, fixture) in self.fixtures.iter().enumerate() {
             if !(moment.resting && held.fixtures_below.contains(&index)) && near(fixture) {

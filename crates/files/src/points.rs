@@ -12,8 +12,13 @@ pub const MAX_POINTS: usize = 1_000_000;
 
 /// The points of the file, of which there is at least one, all finite.
 pub fn load(path: &Path) -> Result<Vec<[f64; 3]>, FileError> {
+    load_with_sha256(path).map(|(points, _)| points)
+}
+
+/// The same, with the sha256 of the file's bytes in lower-case hexadecimal.
+pub fn load_with_sha256(path: &Path) -> Result<(Vec<[f64; 3]>, String), FileError> {
     let text = read_text(path, &Limits::MESH)?;
-    from_str(path, &text)
+    Ok((from_str(path, &text)?, crate::read::sha256(text.as_bytes())))
 }
 
 /// The points of `text`, of which `path` is the name for messages.

@@ -110,3 +110,9 @@ fn too_large(path: &Path, found: u64, limits: &Limits) -> FileError {
         .expected(format!("at most {:.0} MiB", mib(limits.bytes)))
         .help("is this the right file?")
 }
+
+/// Of some bytes, in lower-case hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
+    use sha2::{Digest, Sha256};
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}

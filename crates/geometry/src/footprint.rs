@@ -98,6 +98,8 @@ fn circumcircle(a: DVec2, b: DVec2, c: DVec2) -> Option<Circle> {
 #[derive(Clone, Debug)]
 pub struct Outline {
     pub corners: Vec<DVec2>,
+    /// Round all corners.
+    bound: Circle,
 }
 
 impl Outline {
@@ -116,7 +118,14 @@ impl Outline {
         if corners.len() > 1 && corners[0].distance(corners[corners.len() - 1]) <= 1e-9 {
             corners.pop();
         }
-        Outline { corners }
+        let bound = smallest_circle(&corners);
+        Outline { corners, bound }
+    }
+
+    /// Whether the segment from `a` to `b` comes closer to the outline than `distance`.
+    #[inline]
+    pub fn closer_than(&self, a: DVec2, b: DVec2, distance: f64) -> bool {
+        self.bound.meets_sweep(a, b, distance + 1e-9) && self.segment_distance(a, b) < distance
     }
 
     /// The distance from the outline to the segment from `a` to `b`; 0 when they meet.

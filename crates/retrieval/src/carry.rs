@@ -31,8 +31,9 @@ pub struct Settings {
     /// Between checked postures no point moves farther, metres: while planning, and at the end.
     pub step: f64,
     pub final_step: f64,
-    /// Room that the finished rows keep, metres.
+    /// Room that the finished rows keep, metres: the robot, and what it holds.
     pub final_margin: f64,
+    pub final_held_margin: f64,
     /// Rows are at most this far apart, seconds.
     pub row: f64,
     /// How far above its spot an object is before it is lowered, metres.
@@ -52,6 +53,7 @@ impl Default for Settings {
             step: 0.01,
             final_step: 0.008,
             final_margin: 0.0004,
+            final_held_margin: 0.0001,
             row: 0.016,
             lower_from: 0.06,
             spots: 4,
@@ -153,6 +155,7 @@ impl<R: Rng> Carrier<'_, R> {
         held.objects_below = held.objects_below.union(objects);
         carrying.held = Some(held);
         carrying.margin = self.settings.final_margin;
+        carrying.held_margin = self.settings.final_held_margin;
         let mut across = way.postures.clone();
         across.extend(placement.transfer.iter().skip(1).cloned());
         across.extend(placement.lower.iter().skip(1).cloned());
@@ -189,6 +192,7 @@ impl<R: Rng> Carrier<'_, R> {
         let mut near = moment.clone();
         if !space.free(start) || !goals.iter().any(|g| space.free(g)) {
             near.margin = self.settings.final_margin;
+            near.held_margin = self.settings.final_held_margin;
             space = Space::new(self.world, &near, self.settings.step);
         }
         if let Some(path) = connect(&mut space, start, goals, &self.settings.rrt, self.random, self.budget)? {

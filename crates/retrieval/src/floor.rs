@@ -17,6 +17,8 @@ pub struct Floor {
     /// By object id; `None` for the target and for what stands higher or lower.
     circles: Vec<Option<Circle>>,
     walls: Vec<Outline>,
+    /// The height of the highest object's top, the target's included, metres.
+    top: f64,
     /// r_b of Appendix B: the target with the gripper.
     pub radius: f64,
     /// Walls are kept away from by the target's own radius only: the hand need not be there.
@@ -53,7 +55,9 @@ impl Floor {
             .collect();
         let goal = own.centre;
         let beside = walls.iter().map(|w| w.segment_distance(goal, goal)).fold(f64::INFINITY, f64::min);
+        let top = scene.objects.iter().map(|o| o.solid.aabb(o.pose).1.z).fold(f64::NEG_INFINITY, f64::max);
         let mut floor = Self {
+            top,
             circles,
             walls,
             radius: robot.hand.base_radius.max(own.radius + robot.hand.finger_thickness),
@@ -95,7 +99,7 @@ impl Floor {
     /// Whether the target keeps off the walls from `a` to `b`.
     #[inline]
     pub fn walls_free(&self, a: Vec2, b: Vec2) -> bool {
-        self.walls.iter().all(|w| w.segment_distance(a, b) >= self.wall_radius)
+        !self.walls.iter().any(|w| w.closer_than(a, b, self.wall_radius))
     }
 
     /// The rectangle round all objects at the target's height, wider by the disc.
@@ -143,9 +147,10 @@ impl Floor {
         best.map_or(self.goal, |(_, p)| p)
     }
 
-    /// Whether a point, with the disc round it, is outside all clutter.
-    pub fn beyond_clutter(&self, p: Vec2) -> bool {
+    /// Whether something at `p`, with the disc round it and nothing of it below `bottom`, is beside
+    /// or above all clutter.
+    pub fn beyond_clutter(&self, p: Vec2, bottom: f64) -> bool {
         let r = self.clutter();
-        p.x < r.min[0] || p.y < r.min[1] || p.x > r.max[0] || p.y > r.max[1]
+        bottom > self.top || p.x < r.min[0] || p.y < r.min[1] || p.x > r.max[0] || p.y > r.max[1]
     }
 }

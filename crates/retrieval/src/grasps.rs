@@ -22,6 +22,8 @@ pub struct Grasp {
 /// How far in front of the object's front the tool stays when the object is too deep to be held
 /// round its middle, metres: the pads then cover this much of it.
 const PAD: f64 = 0.02;
+/// A cup is set this far off the surface, metres: it seals, and rounding does not make it overlap.
+const CUP_GAP: f64 = 0.0003;
 /// Fingers are as good as touching at this distance, metres.
 const TOUCH: f64 = 0.0005;
 
@@ -87,7 +89,7 @@ fn side(solid: &Solid, world_from_object: &Pose, angle: f64, height: f64, kind: 
         HandKind::Suction { .. } => {
             let start = at(front - 0.01);
             surface_along(solid, &object_from_world, start, forward, back - front + 0.02)
-                .map(|p| object_from_world * Pose::new(rotation, p))
+                .map(|p| object_from_world * Pose::new(rotation, p - forward * CUP_GAP))
                 .into_iter()
                 .collect()
         }

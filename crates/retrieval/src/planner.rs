@@ -377,7 +377,7 @@ impl Planner {
         const WAYS_TRIED: usize = 6;
         let candidates = self.free_ways(object, removed, WAYS_TRIED, run)?;
         let mut blamed = Vec::new();
-        let Some(ways) = self.ways[object.index()].as_ref() else { return Ok(Err(blamed)) };
+        let Some(ways) = self.ways[object.index()].as_mut() else { return Ok(Err(blamed)) };
         let mut carrier = Carrier {
             world: &self.world,
             scene: &self.scene,
@@ -391,6 +391,7 @@ impl Planner {
             match carrier.take(object, &ways.grasps[way.grasp], way, situation, last)? {
                 Ok(carried) => return Ok(Ok(Box::new(carried))),
                 Err(obstruction) => {
+                    ways.ways[index].failures += 1;
                     run.last_obstruction = Some((object, obstruction.what));
                     if !obstruction.blamed.is_empty() {
                         blamed.push(obstruction.blamed);

@@ -31,13 +31,15 @@ pub struct Settings {
     pub fine: f64,
     /// A way never goes back farther than this, metres.
     pub farthest: f64,
-    /// Room kept from everything along the way, metres.
+    /// Room that the arm and the hand keep from everything along the way, metres.
     pub margin: f64,
+    /// Room that the object keeps, metres: it may stand close to others.
+    pub held_margin: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { lift: 0.01, coarse: 0.04, fine: 0.01, farthest: 0.9, margin: 0.001 }
+        Self { lift: 0.01, coarse: 0.04, fine: 0.01, farthest: 0.9, margin: 0.001, held_margin: 0.0004 }
     }
 }
 
@@ -62,6 +64,8 @@ pub struct Way {
     pub route: Arc<Vec<Vec2>>,
     /// Ends beyond the clutter; otherwise where the arm or a fixture ends it.
     pub clear: bool,
+    /// How often no motion was found along it.
+    pub failures: u32,
 }
 
 /// All ways to one object.
@@ -148,6 +152,7 @@ impl Explorer<'_> {
                             stage: Stage::Grasp,
                             route: route.clone(),
                             clear: false,
+                            failures: 0,
                         });
                     }
                 }
@@ -208,6 +213,11 @@ impl Explorer<'_> {
         let back = -start.rotation.z_axis;
         let lifted = start.translation + world.up() * self.settings.lift;
         let standoff = world.robot.grasps.standoff;
+        let standing = world.world_from_root * world.poses[object.index()];
+        let below = standing.translation.z - world.solids[object.index()].aabb(standing).0.z;
+        // Along a bend the hand comes in sideways in the end: it must not sweep through the object.
+        let mut coming = Moment::new(ObjectSet::of(object), moment.hand, self.settings.margin);
+        coming.gripping = Some(object);
         let offset = |out: f64| match way.route.as_slice() {
             [] => Some(back * out),
             route => along(route, out).map(|p| world.root_from_world.rotation * p.extend(0.0)),
@@ -223,9 +233,12 @@ impl Explorer<'_> {
                 Touch::Fixed => break,
                 Touch::Objects(set) => blocked_by = blocked_by.union(set),
             }
+            if !way.route.is_empty() && !world.free(&posture, &coming, scratch) {
+                return None;
+            }
             postures.push(posture);
-            let object_at = world.world_from_root.point(world.poses[object.index()].translation + moved).truncate();
-            clear = self.floor.beyond_clutter(object_at);
+            let object_at = world.world_from_root.point(world.poses[object.index()].translation + moved);
+            clear = self.floor.beyond_clutter(object_at.truncate(), object_at.z - below);
             if (clear && out >= standoff) || out >= self.settings.farthest {
                 break;
             }
@@ -239,6 +252,7 @@ impl Explorer<'_> {
         let world = self.world;
         let (fixtures_below, objects_below) = world.below(object, &world.poses[object.index()], self.settings.margin);
         let mut moment = Moment::new(self.all.difference(ObjectSet::of(object)), world.robot.hand.open(), self.settings.margin);
+        moment.held_margin = self.settings.held_margin;
         moment.held = Some(Held {
             object,
             parts: world.carried[object.index()].clone(),
@@ -255,7 +269,8 @@ impl Explorer<'_> {
     }
 
     /// Ways that are free once `removed` is gone, as many as `most`; each is exact. Those that lead
-    /// out of the clutter come first, then those that end near the resting posture.
+    /// out of the clutter come first, then those that failed least
+    /// often, then those that end near the resting posture.
     pub fn free_ways(
         &self,
         object: ObjectId,
@@ -276,7 +291,7 @@ impl Explorer<'_> {
                 self.advance(object, ways, i, scratch);
                 continue;
             }
-            free += usize::from(open && way.stage == Stage::Exact && way.clear);
+            free += usize::from(open && way.stage == Stage::Exact && way.clear && way.failures == 0);
             i += 1;
         }
         let mut free: Vec<usize> = (0..ways.ways.len())
@@ -284,7 +299,8 @@ impl Explorer<'_> {
             .collect();
         let home = &self.world.robot.home;
         let from_home = |i: usize| ways.ways[i].postures.last().map_or(f64::INFINITY, |q| distance(q, home));
-        free.sort_by(|&a, &b| ways.ways[b].clear.cmp(&ways.ways[a].clear).then(from_home(a).total_cmp(&from_home(b))));
+        let key = |i: usize| (!ways.ways[i].clear, ways.ways[i].failures);
+        free.sort_by(|&a, &b| key(a).cmp(&key(b)).then(from_home(a).total_cmp(&from_home(b))));
         free.truncate(most);
         Ok(free)
     }

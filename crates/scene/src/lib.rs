@@ -54,7 +54,7 @@ pub struct Scene {
     pub places: Vec<Place>,
     /// World from the robot's root link.
     pub base: Pose,
-    /// The mesh files that the scene names, each once.
+    /// The mesh and point files that the scene names, each once.
     pub meshes: Vec<MeshSource>,
 }
 

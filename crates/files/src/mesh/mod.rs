@@ -12,7 +12,6 @@ mod stl;
 
 use crate::error::FileError;
 use crate::read::{Limits, read_bytes};
-use sha2::{Digest, Sha256};
 use std::path::Path;
 
 /// Triangles in one file.
@@ -55,7 +54,7 @@ pub fn load(path: &Path, budget: &mut MeshBudget) -> Result<Mesh, FileError> {
             .expected("at most ten million in one scene or robot")
             .help("use simplified collision meshes")
     })?;
-    let sha256 = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
+    let sha256 = crate::read::sha256(&bytes);
     Ok(Mesh { vertices: soup.vertices, triangles: soup.triangles, sha256 })
 }
 
