@@ -18,7 +18,7 @@ mod query;
 mod report;
 mod world;
 
-pub use moment::{Held, Moment};
+pub use moment::{Held, Lean, Moment};
 pub use obstacle::Obstacle;
 pub use pairs::unchecked_pairs;
 pub use probe::{Probe, Slack};

@@ -1,7 +1,7 @@
 //! What is the case at one time of a plan.
 
 use crate::obstacle::{MovingPart, Obstacle};
-use clearway_geometry::Pose;
+use clearway_geometry::{Pose, Vec3};
 use clearway_plan::{ObjectId, ObjectSet};
 use std::sync::Arc;
 
@@ -19,6 +19,17 @@ pub struct Held {
     pub objects_below: ObjectSet,
 }
 
+/// How far a direction of the tool may lean from where it should point.
+#[derive(Clone, Copy, Debug)]
+pub struct Lean {
+    /// Unit, in the tool's frame.
+    pub axis: Vec3,
+    /// Unit, in the root frame.
+    pub upward: Vec3,
+    /// Cosine of the largest angle between the two.
+    pub least: f64,
+}
+
 /// Which objects stand, which were put down where, and what the hand does.
 #[derive(Clone, Debug)]
 pub struct Moment {
@@ -32,6 +43,9 @@ pub struct Moment {
     pub gripping: Option<ObjectId>,
     /// The held object is being lifted off or put down.
     pub resting: bool,
+    /// Postures in which what is held leans farther count as touching something. Asked of the
+    /// postures looked at only, not of all in between.
+    pub lean: Option<Lean>,
     /// The hand's joint value.
     pub hand: f64,
     /// Closer than this is touching, metres: for the robot's links, and for what the hand holds.
@@ -41,6 +55,6 @@ pub struct Moment {
 
 impl Moment {
     pub fn new(standing: ObjectSet, hand: f64, margin: f64) -> Self {
-        Self { standing, placed: Vec::new(), held: None, gripping: None, resting: false, hand, margin, held_margin: margin }
+        Self { standing, placed: Vec::new(), held: None, gripping: None, resting: false, lean: None, hand, margin, held_margin: margin }
     }
 }

@@ -72,6 +72,11 @@ impl World {
         self.place_links(posture, moment.hand, scratch);
         let Scratch { frames, centres, directions, .. } = scratch;
         let (frames, centres): (&[Pose], &[Vec3]) = (frames, centres);
+        if let Some(lean) = moment.lean
+            && (frames[self.kinematics.tool].rotation * lean.axis).dot(lean.upward) < lean.least
+        {
+            return Probe::Hit;
+        }
         // Once something is near, the rest is only asked whether it is hit.
         let mut around = slack;
         macro_rules! check {

@@ -35,6 +35,9 @@ impl Settings {
     }
 }
 
+/// Part of the samples taken from guides, where there are any.
+const GUIDED: f64 = 0.8;
+
 struct Tree {
     nodes: Vec<Posture>,
     parents: Vec<usize>,
@@ -75,11 +78,14 @@ impl Tree {
 }
 
 /// A path from `start` to one of `goals`, or `None` when the iterations run out. Postures that
-/// are not free are left out; a straight line is tried first.
+/// are not free are left out; a straight line is tried first. `guides`: postures that are likely
+/// to be of use; most samples are then taken from them.
+#[allow(clippy::too_many_arguments)]
 pub fn connect(
     space: &mut Space,
     start: &Posture,
     goals: &[Posture],
+    guides: &[Posture],
     settings: &Settings,
     random: &mut impl Rng,
     budget: &Budget,
@@ -99,13 +105,18 @@ pub fn connect(
     let mut forward = true;
     for _ in 0..settings.iterations {
         budget.check()?;
+        let guided = !guides.is_empty() && random.random::<f64>() < GUIDED;
         let near = random.random::<f64>() < settings.near;
-        let sample: Posture = (0..start.len())
+        let sample: Posture = if guided {
+            guides[random.random_range(0..guides.len())].clone()
+        } else {
+            (0..start.len())
             .map(|j| {
                 let (l, u) = if near { (low[j], high[j]) } else { range(space, j) };
                 l + (u - l) * random.random::<f64>()
             })
-            .collect();
+            .collect()
+        };
         let (tree, other) = if forward { (&mut from_start, &mut from_goal) } else { (&mut from_goal, &mut from_start) };
         if let Some(new) = extend(space, tree, &sample, settings.range) {
             let target = tree.nodes[new].clone();

@@ -8,15 +8,15 @@
 use crate::grasps::Grasp;
 use crate::place;
 use crate::ways::Way;
-use clearway_collision::{Held, Moment, Obstacle, World};
-use clearway_geometry::{Pose, Vec2, Vec3};
+use clearway_collision::{Held, Lean, Moment, Obstacle, World};
+use clearway_geometry::{Mat3, Pose, Vec2, Vec3};
 use clearway_motion::{Limits, Path, Posture, RrtSettings, Space, Timed, connect, distance, shorten, smooth, time_curve};
 use clearway_plan::plan_file::{Action, Attached, GripperValue, PlacedPose, Segment, SegmentKind, Step};
 use clearway_plan::robot_file::HandKind;
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 use clearway_robot::InverseKinematics;
 use clearway_scene::Scene;
-use rand::Rng;
+use rand::{Rng, RngExt};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -40,6 +40,11 @@ pub struct Settings {
     pub lower_from: f64,
     /// Spots for which a motion is tried before giving up.
     pub spots: usize,
+    /// How far what is held may lean while it is carried, where that can be had: radians.
+    pub lean: f64,
+    /// Samples for a level motion before any motion will do, and upright postures to guide it.
+    pub level_iterations: usize,
+    pub guides: usize,
     /// Seconds for the hand to close or open, at least.
     pub grip_time: f64,
 }
@@ -57,6 +62,9 @@ impl Default for Settings {
             row: 0.016,
             lower_from: 0.06,
             spots: 4,
+            lean: 0.3,
+            level_iterations: 250,
+            guides: 60,
             grip_time: 0.3,
         }
     }
@@ -195,14 +203,14 @@ impl<R: Rng> Carrier<'_, R> {
             near.held_margin = self.settings.final_held_margin;
             space = Space::new(self.world, &near, self.settings.step);
         }
-        if let Some(path) = connect(&mut space, start, goals, &self.settings.rrt, self.random, self.budget)? {
+        if let Some(path) = connect(&mut space, start, goals, &[], &self.settings.rrt, self.random, self.budget)? {
             let path = shorten(&mut space, path, self.settings.shortcuts, self.random, self.budget)?;
             return Ok(Ok(path));
         }
         let mut relaxed = near.clone();
         relaxed.standing = ObjectSet::EMPTY;
         let mut space = Space::new(self.world, &relaxed, self.settings.step);
-        let Some(path) = connect(&mut space, start, goals, &self.settings.rrt, self.random, self.budget)? else {
+        let Some(path) = connect(&mut space, start, goals, &[], &self.settings.rrt, self.random, self.budget)? else {
             return obstructed(what, ObjectSet::EMPTY);
         };
         let path = shorten(&mut space, path, self.settings.shortcuts, self.random, self.budget)?;
@@ -248,6 +256,43 @@ impl<R: Rng> Carrier<'_, R> {
         obstructed(what, blamed)
     }
 
+    /// A free motion with the object in hand: level if one is found soon, otherwise any.
+    fn level_motion(&mut self, moment: &Moment, start: &Posture, goal: &Posture, what: &'static str) -> Attempt<Path> {
+        let world = self.world;
+        let up = world.up();
+        let (from, to) = (world.kinematics.tool(start, moment.hand), world.kinematics.tool(goal, moment.hand));
+        let level = Moment {
+            lean: Some(Lean { axis: from.rotation.transpose() * up, upward: up, least: self.settings.lean.cos() }),
+            ..moment.clone()
+        };
+        let mut space = Space::new(world, &level, self.settings.step);
+        let mut path = None;
+        if space.free(start) && space.free(goal) {
+            if space.line_free(start, goal) {
+                path = Some(vec![start.clone(), goal.clone()]);
+            } else {
+                // Postures in between that hold the object upright, for the trees to grow towards.
+                let (low, high) = (from.translation.min(to.translation) - 0.25, from.translation.max(to.translation) + 0.25);
+                let mut guides = Vec::new();
+                for _ in 0..self.settings.guides {
+                    self.budget.check()?;
+                    let mut at = || self.random.random::<f64>();
+                    let turn = Mat3::from_axis_angle(up, std::f64::consts::TAU * at());
+                    let position = low + (high - low) * Vec3::new(at(), at(), at());
+                    let near = self.inverse.solve(&Pose::new(turn * from.rotation, position), start);
+                    let off = |q: &Posture| distance(q, start) + distance(q, goal);
+                    guides.extend(near.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))));
+                }
+                let settings = RrtSettings { iterations: self.settings.level_iterations, ..self.settings.rrt.clone() };
+                path = connect(&mut space, start, std::slice::from_ref(goal), &guides, &settings, self.random, self.budget)?;
+            }
+        }
+        match path {
+            Some(path) => Ok(Ok(shorten(&mut space, path, self.settings.shortcuts, self.random, self.budget)?)),
+            None => self.free_motion(moment, start, std::slice::from_ref(goal), what),
+        }
+    }
+
     /// Finds a spot that the hand can reach with the object and leave without it.
     fn place(&mut self, object: ObjectId, grasp: &Grasp, entry: &Posture, carrying: &Moment) -> Attempt<Placement> {
         let world = self.world;
@@ -271,7 +316,7 @@ impl<R: Rng> Carrier<'_, R> {
                 moment.held = Some(placement.held.clone());
                 tries += 1;
                 let above = placement.lower[0].clone();
-                match self.free_motion(&moment, entry, std::slice::from_ref(&above), "the motion to the place with the object in hand")? {
+                match self.level_motion(&moment, entry, &above, "the motion to the place with the object in hand")? {
                     Ok(transfer) => return Ok(Ok(Placement { transfer, ..placement })),
                     Err(obstruction) => blamed = blamed.union(obstruction.blamed),
                 }

@@ -374,7 +374,7 @@ impl Planner {
         last: bool,
         run: &mut Run,
     ) -> Result<Result<Box<Carried>, Vec<ObjectSet>>, Stop> {
-        const WAYS_TRIED: usize = 6;
+        const WAYS_TRIED: usize = 5;
         let candidates = self.free_ways(object, removed, WAYS_TRIED, run)?;
         let mut blamed = Vec::new();
         let Some(ways) = self.ways[object.index()].as_mut() else { return Ok(Err(blamed)) };

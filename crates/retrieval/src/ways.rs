@@ -287,7 +287,7 @@ impl Explorer<'_> {
             let way = &ways.ways[i];
             let open = self.counts(way) && way.blocked_by.is_subset(removed);
             // A few more than asked for are found, so that there is a choice.
-            if open && way.stage < Stage::Exact && free < 3 * most {
+            if open && way.stage < Stage::Exact && free < most.max(3) {
                 self.advance(object, ways, i, scratch);
                 continue;
             }
