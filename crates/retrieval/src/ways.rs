@@ -39,7 +39,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { lift: 0.01, coarse: 0.04, fine: 0.01, farthest: 0.9, margin: 0.001, held_margin: 0.0004 }
+        Self { lift: 0.01, coarse: 0.05, fine: 0.02, farthest: 0.9, margin: 0.001, held_margin: 0.0004 }
     }
 }
 
