@@ -47,7 +47,7 @@ fn planning_is_130_and_writes_nothing() {
 fn drawing_a_scene_is_130() {
     let program = Program::new();
     let before = program.files();
-    let done = interrupted(&program, "generate shelf --objects 12 --least-removals 11 -o scene.yaml", Duration::from_millis(300));
+    let done = interrupted(&program, "generate shelf --objects 80 --least-removals 80 -o scene.yaml", Duration::from_millis(500));
     assert_eq!(done.code, Some(130), "{}", done.err);
     assert_eq!(program.files(), before);
 }
