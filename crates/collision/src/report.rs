@@ -44,7 +44,7 @@ impl World {
             }
         }
         for (index, (link, frame)) in self.links.iter().zip(&frames).enumerate() {
-            let Some(link) = link.as_ref().filter(|_| index != 0) else { continue };
+            let Some(link) = link.as_ref().filter(|_| !self.mounted(index)) else { continue };
             for (fixture, obstacle) in scene.fixtures.iter().zip(&self.fixtures) {
                 if link_near(link, frame, middle(link, frame), obstacle, margin, directions) {
                     contacts.push(Contact::Fixture { link: name(index), fixture: fixture.id.clone() });

@@ -164,6 +164,20 @@ impl World {
         (fixtures, objects)
     }
 
+    /// Whether a link is the root, or fixed to it across links without shape: what it is mounted on
+    /// may touch it.
+    pub fn mounted(&self, link: usize) -> bool {
+        let mut at = link;
+        while let Some(joint) = self.robot.links[at].parent_joint {
+            let joint = &self.robot.joints[joint];
+            if joint.kind != JointKind::Fixed || self.links[joint.parent].is_some() {
+                return false;
+            }
+            at = joint.parent;
+        }
+        true
+    }
+
     /// The world's up, in the root frame.
     pub fn up(&self) -> Vec3 {
         self.root_from_world.rotation * Vec3::Z
