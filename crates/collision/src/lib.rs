@@ -10,6 +10,7 @@
 //! what the hand holds. Removing an object from the moment's set rebuilds nothing.
 
 mod directions;
+pub mod lanes;
 mod moment;
 mod obstacle;
 mod pairs;

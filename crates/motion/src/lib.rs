@@ -5,15 +5,24 @@
 
 mod curve;
 mod rrt_connect;
+mod sampler;
 mod shortcut;
+mod simplify;
 mod space;
+mod sphere_space;
 mod timing;
+mod tree;
+mod validator;
 
 pub use curve::{Curve, smooth};
-pub use rrt_connect::{Settings as RrtSettings, connect};
+pub use rrt_connect::{Settings as RrtSettings, Trees, connect};
+pub use sampler::{Halton, NearEnds, Sampler};
 pub use shortcut::shorten;
+pub use simplify::{Settings as SimplifySettings, simplify};
 pub use space::Space;
+pub use sphere_space::SphereSpace;
 pub use timing::{Limits, Timed, time_curve};
+pub use validator::MotionValidator;
 
 /// A row of joint values.
 pub type Posture = Vec<f64>;

@@ -1,6 +1,6 @@
 //! The arm's postures at one moment: which are free, which motions are.
 
-use crate::Posture;
+use crate::{MotionValidator, Posture};
 use clearway_collision::{Moment, Probe, Scratch, Slack, Touch, World};
 use clearway_plan::ObjectSet;
 use std::collections::VecDeque;
@@ -19,14 +19,6 @@ pub struct Space<'a> {
 impl<'a> Space<'a> {
     pub fn new(world: &'a World, moment: &'a Moment, step: f64) -> Self {
         Self { world, moment, step, scratch: Scratch::default(), slack: Slack::default(), queue: VecDeque::new() }
-    }
-
-    pub fn lower(&self) -> &[f64] {
-        &self.world.robot.lower
-    }
-
-    pub fn upper(&self) -> &[f64] {
-        &self.world.robot.upper
     }
 
     /// How many postures were checked so far.
@@ -146,5 +138,23 @@ impl<'a> Space<'a> {
             }
         }
         Some(all)
+    }
+}
+
+impl MotionValidator for Space<'_> {
+    fn lower(&self) -> &[f64] {
+        &self.world.robot.lower
+    }
+
+    fn upper(&self) -> &[f64] {
+        &self.world.robot.upper
+    }
+
+    fn state_free(&mut self, q: &[f64]) -> bool {
+        self.free(q)
+    }
+
+    fn motion_free(&mut self, a: &[f64], b: &[f64]) -> bool {
+        self.line_free(a, b)
     }
 }
