@@ -17,6 +17,13 @@ fn main(){
  let mut out=vec![]; let mut file=std::io::BufWriter::new(std::fs::File::create("/tmp/mbm_rows.jsonl").unwrap());
  run_all(&planner,&problems,&s,|r|{ use std::io::Write; serde_json::to_writer(&mut file,r).unwrap(); writeln!(file).unwrap(); out.push(r.clone())});
  {use clearway_collision::lanes::*; let mut sc=planner.kernel.scratch(); let js=vec![Lanes::splat(0.3);7]; let mut best=f64::INFINITY; for _ in 0..50 {let t=Instant::now(); for _ in 0..200 {planner.kernel.place(&js,0.0,&mut sc);} best=best.min(t.elapsed().as_secs_f64()/200.0);} eprintln!("FK of 16: {:.0} ns",best*1e9);}
+ for mode in [0] { use clearway_collision::lanes::*; use clearway_geometry::Solid; let mut total=0.0; let mut n=0;
+ for p in problems.problems.iter().step_by(10) { let pieces=p.obstacles.iter().enumerate().flat_map(|(i,o)|Piece::of_solid(&Solid::new(o.convex.clone()),&o.pose,i as u32).collect::<Vec<_>>()).collect();
+  let ob=Obstacles::new(pieces); let mut m=vec![]; ob.mask(|_|true,&mut m);
+  let around=Around{obstacles:&ob,standing:&m,margin:0.0,hand:0.0}; let mut s=planner.kernel.scratch(); 
+  let ends:Vec<Vec<f64>>=(0..200).map(|i|p.start.iter().enumerate().map(|(j,v)|v+0.37*((i*7+j*3) as f64*1.7).sin()).collect()).collect();
+  let mut best=f64::INFINITY; for _ in 0..5 {let t=Instant::now(); for e in &ends {planner.kernel.motion_free(&p.start,e,16.0,&around,&mut s);} best=best.min(t.elapsed().as_secs_f64());} total+=best; n+=ends.len(); }
+  eprintln!("mode {mode}: {:.0} ns", total/n as f64*1e9); }
  edges(&planner,&problems,&out);
  let solved:Vec<&Row>=out.iter().filter(|r|r.solved).collect();
  for r in out.iter().filter(|r|!r.solved){eprintln!("unsolved {} {} {:?}",r.set,r.index,r.why)}

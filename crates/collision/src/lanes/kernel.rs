@@ -66,9 +66,8 @@ pub struct Scratch {
     near: Vec<u32>,
     /// Times a part's swing: how far it may be from the box about four of its places on a stretch.
     strays: f32,
-    /// Parts and pairs, those that touched last first.
+    /// Parts, those that touched last first.
     parts: Vec<u16>,
-    pairs: Vec<u16>,
     /// How many configurations were looked at.
     pub configurations: u64,
     /// How many motions were asked about.
@@ -105,7 +104,6 @@ impl Kernel {
             near: Vec::with_capacity(64),
             strays: 0.0,
             parts: (0..body.parts.len() as u16).filter(|p| body.parts[usize::from(*p)].frame != 0).rev().collect(),
-            pairs: (0..body.pairs.len() as u16).collect(),
             configurations: 0,
             motions: 0,
         };
@@ -341,41 +339,61 @@ impl Kernel {
         }
         let parts = body.parts.len();
         let margin = body.self_margin + ROUNDING;
-        for place in 0..scratch.pairs.len() {
-            let index = usize::from(scratch.pairs[place]);
-            let pair = &body.pairs[index];
-            let entity = parts + index;
-            let larger = scratch.larger[entity / LANES].0[entity % LANES];
-            let centre_b = Point::load(simd, &scratch.centres[pair.b]);
-            let square = |r: f32| splat(simd, r * r);
-            let bound = pair.bound + larger + margin;
-            let apart = Point::load(simd, &scratch.centres[pair.a]).distance_squared(centre_b);
-            if bits(apart.simd_lt(square(bound))) == 0 {
+        let square = |r: f32| splat(simd, r * r);
+        // All bounds first, without branches; few pairs are left.
+        for (first, pairs) in body.pairs.chunks(64).enumerate() {
+            let mut met = 0_u64;
+            for (i, pair) in pairs.iter().enumerate() {
+                let entity = parts + first * 64 + i;
+                let bound = pair.bound + scratch.larger[entity / LANES].0[entity % LANES] + margin;
+                let (a, b) = (Point::load(simd, &scratch.centres[pair.a]), Point::load(simd, &scratch.centres[pair.b]));
+                met |= u64::from(bits(a.distance_squared(b).simd_lt(square(bound))) != 0) << i;
+            }
+            while met != 0 {
+                let index = first * 64 + met.trailing_zeros() as usize;
+                met &= met - 1;
+                near |= self.pair_meets::<S, ALL>(simd, index, margin, scratch, touched)?;
+            }
+        }
+        Some(near)
+    }
+
+    /// Checks the balls of a pair of parts whose bounds meet.
+    #[inline(always)]
+    fn pair_meets<S: Simd, const ALL: bool>(
+        &self,
+        simd: S,
+        index: usize,
+        margin: f32,
+        scratch: &mut Scratch,
+        touched: &mut Touched,
+    ) -> Option<u32> {
+        let body = &self.body;
+        let pair = &body.pairs[index];
+        let entity = body.parts.len() + index;
+        let larger = scratch.larger[entity / LANES].0[entity % LANES];
+        let centre_b = Point::load(simd, &scratch.centres[pair.b]);
+        let square = |r: f32| splat(simd, r * r);
+        let mut near = 0;
+        let (frame_a, frame_b) = (body.parts[pair.a].frame, body.parts[pair.b].frame);
+        for row in &body.rows[pair.rows.clone()] {
+            let a = self.ball_at(simd, frame_a, row.ball, scratch);
+            if bits(a.distance_squared(centre_b).simd_lt(square(row.guard + larger + margin))) == 0 {
                 continue;
             }
-            let (frame_a, frame_b) = (body.parts[pair.a].frame, body.parts[pair.b].frame);
-            for row in &body.rows[pair.rows.clone()] {
-                let a = self.ball_at(simd, frame_a, row.ball, scratch);
-                if bits(a.distance_squared(centre_b).simd_lt(square(row.guard + larger + margin))) == 0 {
+            for partner in &body.partners[row.partners.clone()] {
+                let b = self.ball_at(simd, frame_b, partner.ball, scratch);
+                let apart = a.distance_squared(b);
+                let close = bits(apart.simd_lt(square(partner.sum + larger + margin)));
+                if close == 0 {
                     continue;
                 }
-                for partner in &body.partners[row.partners.clone()] {
-                    let b = self.ball_at(simd, frame_b, partner.ball, scratch);
-                    let apart = a.distance_squared(b);
-                    let close = bits(apart.simd_lt(square(partner.sum + larger + margin)));
-                    if close == 0 {
-                        continue;
-                    }
-                    if ALL {
-                        touched.itself = true;
-                    } else if bits(apart.simd_lt(square(partner.sum + margin))) != 0 {
-                        if place > 0 {
-                            scratch.pairs.swap(place, place - 1);
-                        }
-                        return None;
-                    }
-                    near |= close;
+                if ALL {
+                    touched.itself = true;
+                } else if bits(apart.simd_lt(square(partner.sum + margin))) != 0 {
+                    return None;
                 }
+                near |= close;
             }
         }
         Some(near)
