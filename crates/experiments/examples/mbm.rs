@@ -1,4 +1,4 @@
-use clearway_experiments::motion::*; use clearway_experiments::motion_problems::*; use clearway_robot::{Group,Sphere}; use std::path::Path; use std::time::Instant;
+use clearway_experiments::motion::*; use clearway_experiments::motion_problems::*; use clearway_robot::Group; use std::path::Path; use std::time::Instant;
 fn main(){
  let args: Vec<String>=std::env::args().collect();
  let dir=Path::new(&args[1]); let repeats: usize=args.get(2).map_or(9,|s|s.parse().unwrap());
@@ -6,8 +6,7 @@ fn main(){
  let t=Instant::now();
  let group=Group::load(&dir.join("panda_spherized.urdf"),Some(&dir.join("panda.srdf")),Some(&problems.joints),&Default::default(),&[]).unwrap();
  let t1=t.elapsed();
- let spheres: Vec<Vec<Sphere>>=group.links.iter().map(|l| clearway_robot::cover(&l.collision,0.05)).collect();
- let planner=Planner::new(group,spheres);
+ let planner=clearway_motion::MotionPlanner::new(group);
  eprintln!("load {:?} ready {:?} level {:?}",t1,t.elapsed(),planner.kernel.level);
  let b=&planner.kernel.body; eprintln!("balls {} parts {} pairs {} rows {} partners {}",b.balls.len(),b.parts.len(),b.pairs.len(),b.rows.len(),b.partners.len());
  let peer: serde_json::Value=serde_json::from_str(&std::fs::read_to_string(args.get(3).map(|s|s.into()).unwrap_or(dir.join("vamp_panda.json"))).unwrap()).unwrap();
@@ -17,8 +16,8 @@ fn main(){
  let mut out=vec![]; let mut file=std::io::BufWriter::new(std::fs::File::create("/tmp/mbm_rows.jsonl").unwrap());
  run_all(&planner,&problems,&s,|r|{ use std::io::Write; serde_json::to_writer(&mut file,r).unwrap(); writeln!(file).unwrap(); out.push(r.clone())});
  {use clearway_collision::lanes::*; let mut sc=planner.kernel.scratch(); let js=vec![Lanes::splat(0.3);7]; let mut best=f64::INFINITY; for _ in 0..50 {let t=Instant::now(); for _ in 0..200 {planner.kernel.place(&js,0.0,&mut sc);} best=best.min(t.elapsed().as_secs_f64()/200.0);} eprintln!("FK of 16: {:.0} ns",best*1e9);}
- for mode in [0] { use clearway_collision::lanes::*; use clearway_geometry::Solid; let mut total=0.0; let mut n=0;
- for p in problems.problems.iter().step_by(10) { let pieces=p.obstacles.iter().enumerate().flat_map(|(i,o)|Piece::of_solid(&Solid::new(o.convex.clone()),&o.pose,i as u32).collect::<Vec<_>>()).collect();
+ for mode in [0] { use clearway_collision::lanes::*;  let mut total=0.0; let mut n=0;
+ for p in problems.problems.iter().step_by(10) { let pieces=p.obstacles.iter().enumerate().flat_map(|(i,o)|Piece::of_solid(&o.solid,&o.root_from_solid,i as u32).collect::<Vec<_>>()).collect();
   let ob=Obstacles::new(pieces); let mut m=vec![]; ob.mask(|_|true,&mut m);
   let around=Around{obstacles:&ob,standing:&m,margin:0.0,hand:0.0}; let mut s=planner.kernel.scratch(); 
   let ends:Vec<Vec<f64>>=(0..200).map(|i|p.start.iter().enumerate().map(|(j,v)|v+0.37*((i*7+j*3) as f64*1.7).sin()).collect()).collect();
@@ -36,11 +35,11 @@ fn main(){
  for r in &solved{ let k=p[&(r.set.clone(),r.index)]; if k.3 {ratio.push((r.plan_us+r.simplify_us)/(k.0+k.1)); pr.push(k.0)}}
  eprintln!("ratio median {:.3} p90 {:.3}; peer p95 {:.1}",q(&mut ratio,0.5),q(&mut ratio,0.9),q(&mut pr,0.95));
 }
-#[allow(dead_code)] fn edges(planner:&Planner, problems:&Problems, rows:&[Row]){
- use clearway_collision::lanes::*; use clearway_geometry::Solid;
+#[allow(dead_code)] fn edges(planner:&clearway_motion::MotionPlanner, problems:&Problems, rows:&[Row]){
+ use clearway_collision::lanes::*; 
  let (mut best_total,mut n)=(0.0,0u64); let mut motions=0u64; let mut invalid=(0.0,0u64);
  for (p,r) in problems.problems.iter().zip(rows){ if !r.solved {continue}
-  let pieces=p.obstacles.iter().enumerate().flat_map(|(i,o)|Piece::of_solid(&Solid::new(o.convex.clone()),&o.pose,i as u32).collect::<Vec<_>>()).collect();
+  let pieces=p.obstacles.iter().enumerate().flat_map(|(i,o)|Piece::of_solid(&o.solid,&o.root_from_solid,i as u32).collect::<Vec<_>>()).collect();
   let ob=Obstacles::new(pieces); let mut m=vec![]; ob.mask(|_|true,&mut m);
   let around=Around{obstacles:&ob,standing:&m,margin:0.0,hand:0.0}; let mut s=planner.kernel.scratch();
   let mut best=f64::INFINITY;

@@ -5,7 +5,8 @@
 //! `half_extents`, `length` (along z), in the frame of the URDF's root link.
 
 use clearway_files::{FileError, Limits, json, quoted, read_text};
-use clearway_geometry::{Convex, Pose, Vec3};
+use clearway_geometry::{Convex, Pose, Solid, Vec3};
+use clearway_motion::Obstacle;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -47,14 +48,6 @@ pub enum Cylinders {
     /// set `box`, the cuboid round it.
     Peer,
     True,
-}
-
-/// Something to keep clear of, in the root frame.
-#[derive(Clone, Debug)]
-pub struct Obstacle {
-    pub name: String,
-    pub pose: Pose,
-    pub convex: Convex,
 }
 
 #[derive(Clone, Debug)]
@@ -110,7 +103,11 @@ fn problem(set: &str, index: usize, row: Row, joints: usize, cylinders: Cylinder
         for shape in shapes {
             let wrong = |what: &str| format!("{kind} {}: {what}", quoted(&shape.name));
             let convex = shape.convex(kind, set, cylinders).map_err(|e| wrong(&e))?;
-            obstacles.push(Obstacle { name: shape.name.clone(), pose: shape.pose().map_err(|e| wrong(&e))?, convex });
+            obstacles.push(Obstacle {
+                name: shape.name.clone(),
+                root_from_solid: shape.pose().map_err(|e| wrong(&e))?,
+                solid: Solid::new(convex),
+            });
         }
     }
     Ok(Problem { set: set.to_owned(), index, start: row.start, goals: row.goals, obstacles })

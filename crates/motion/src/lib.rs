@@ -4,6 +4,7 @@
 //! [`clearway_collision::World`] at one [`clearway_collision::Moment`].
 
 mod curve;
+mod planner;
 mod rrt_connect;
 mod sampler;
 mod shortcut;
@@ -15,6 +16,7 @@ mod tree;
 mod validator;
 
 pub use curve::{Curve, smooth};
+pub use planner::{MotionPlanner, Obstacle, Settings as MotionSettings, Solution, Surroundings};
 pub use rrt_connect::{Settings as RrtSettings, Trees, connect};
 pub use sampler::{Halton, NearEnds, Sampler};
 pub use shortcut::shorten;

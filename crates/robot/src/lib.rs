@@ -11,4 +11,4 @@ pub use description::{Hand, Joint, JointKind, Link, MeshSource, Mimic, Robot};
 pub use group::Group;
 pub use inverse::InverseKinematics;
 pub use kinematics::{Kinematics, LinkStep, Motion};
-pub use spheres::{Sphere, bounding as bounding_sphere, cover};
+pub use spheres::{Sphere, bounding as bounding_sphere, cover, cover_link};

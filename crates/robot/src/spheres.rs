@@ -23,6 +23,18 @@ pub fn cover(solid: &Solid, cell: f64) -> Vec<Sphere> {
     spheres
 }
 
+/// Covers a link of any robot: small links, such as fingers, with small cells, large ones coarsely.
+/// A link that is made of spheres keeps them as they are.
+pub fn cover_link(solid: &Solid) -> Vec<Sphere> {
+    const FINEST: f64 = 0.02;
+    const COARSEST: f64 = 0.08;
+    if solid.parts.is_empty() {
+        return Vec::new();
+    }
+    let (min, max) = solid.aabb(Pose::IDENTITY);
+    cover(solid, ((max - min).max_element() / 5.0).clamp(FINEST, COARSEST))
+}
+
 /// One sphere round all of them.
 pub fn bounding(spheres: &[Sphere]) -> Sphere {
     let Some(first) = spheres.first() else { return Sphere { centre: Vec3::ZERO, radius: 0.0 } };
