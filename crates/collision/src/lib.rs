@@ -16,6 +16,7 @@ mod obstacle;
 mod pairs;
 mod probe;
 mod query;
+mod quick;
 mod report;
 mod world;
 
@@ -24,5 +25,6 @@ pub use obstacle::Obstacle;
 pub use pairs::unchecked_pairs;
 pub use probe::{Probe, Slack};
 pub use query::{Scratch, Touch};
+pub use quick::Quick;
 pub use report::Contact;
 pub use world::World;

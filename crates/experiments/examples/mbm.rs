@@ -19,7 +19,7 @@ fn main(){
  for mode in [0] { use clearway_collision::lanes::*;  let mut total=0.0; let mut n=0;
  for p in problems.problems.iter().step_by(10) { let pieces=p.obstacles.iter().enumerate().flat_map(|(i,o)|Piece::of_solid(&o.solid,&o.root_from_solid,i as u32).collect::<Vec<_>>()).collect();
   let ob=Obstacles::new(pieces); let mut m=vec![]; ob.mask(|_|true,&mut m);
-  let around=Around{obstacles:&ob,standing:&m,margin:0.0,hand:0.0}; let mut s=planner.kernel.scratch(); 
+  let around=Around{obstacles:&ob,standing:&m,margin:0.0,hand:0.0,upright:None,never:&[]}; let mut s=planner.kernel.scratch(); 
   let ends:Vec<Vec<f64>>=(0..200).map(|i|p.start.iter().enumerate().map(|(j,v)|v+0.37*((i*7+j*3) as f64*1.7).sin()).collect()).collect();
   let mut best=f64::INFINITY; for _ in 0..5 {let t=Instant::now(); for e in &ends {planner.kernel.motion_free(&p.start,e,16.0,&around,&mut s);} best=best.min(t.elapsed().as_secs_f64());} total+=best; n+=ends.len(); }
   eprintln!("mode {mode}: {:.0} ns", total/n as f64*1e9); }
@@ -41,7 +41,7 @@ fn main(){
  for (p,r) in problems.problems.iter().zip(rows){ if !r.solved {continue}
   let pieces=p.obstacles.iter().enumerate().flat_map(|(i,o)|Piece::of_solid(&o.solid,&o.root_from_solid,i as u32).collect::<Vec<_>>()).collect();
   let ob=Obstacles::new(pieces); let mut m=vec![]; ob.mask(|_|true,&mut m);
-  let around=Around{obstacles:&ob,standing:&m,margin:0.0,hand:0.0}; let mut s=planner.kernel.scratch();
+  let around=Around{obstacles:&ob,standing:&m,margin:0.0,hand:0.0,upright:None,never:&[]}; let mut s=planner.kernel.scratch();
   let mut best=f64::INFINITY;
   for _ in 0..7 { s.configurations=0; s.motions=0; let t=Instant::now(); for w in r.path.windows(2){ assert!(planner.kernel.motion_free(&w[0],&w[1],32.0,&around,&mut s)); } best=best.min(t.elapsed().as_secs_f64()); }
   best_total+=best; n+=s.configurations; motions+=s.motions;

@@ -21,7 +21,7 @@ pub use rrt_connect::{Settings as RrtSettings, Trees, connect};
 pub use sampler::{Halton, NearEnds, Sampler};
 pub use shortcut::shorten;
 pub use simplify::{Settings as SimplifySettings, simplify};
-pub use space::Space;
+pub use space::{Space, Surely};
 pub use sphere_space::SphereSpace;
 pub use timing::{Limits, Timed, time_curve};
 pub use validator::MotionValidator;

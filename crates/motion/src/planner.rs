@@ -139,6 +139,8 @@ impl MotionPlanner {
             standing: &around.standing,
             margin: settings.margin as f32,
             hand: self.group.hand[0] as f32,
+            upright: None,
+            never: &[],
         };
         SphereSpace::new(&self.kernel, all, &self.group.lower, &self.group.upper, settings.checks_per_rad)
     }

@@ -54,6 +54,10 @@ pub fn bounding(spheres: &[Sphere]) -> Sphere {
     ball
 }
 
+/// Along a round part spheres stand this part of its radius apart at least: closer ones would stick
+/// out hardly less.
+const CLOSER: f64 = 0.6;
+
 fn cover_convex(convex: &Convex, cell: f64) -> Vec<Sphere> {
     let along = |half: f64, width: f64, radius: f64| -> Vec<Sphere> {
         let count = ((2.0 * half / width).ceil() as usize).max(1);
@@ -68,13 +72,13 @@ fn cover_convex(convex: &Convex, cell: f64) -> Vec<Sphere> {
     match convex {
         Convex::Sphere { radius } => vec![Sphere { centre: Vec3::ZERO, radius: *radius }],
         Convex::Capsule { radius, half } => {
-            let mut spheres = along(*half, cell.max(*radius), *radius);
+            let mut spheres = along(*half, cell.max(CLOSER * radius), *radius);
             for end in [-half, *half] {
                 spheres.push(Sphere { centre: Vec3::new(0.0, 0.0, end), radius: *radius });
             }
             spheres
         }
-        Convex::Cylinder { radius, half } if *radius <= 2.0 * half => along(*half, cell.max(*radius), *radius),
+        Convex::Cylinder { radius, half } if *radius <= 2.0 * half => along(*half, cell.max(CLOSER * radius), *radius),
         Convex::Cylinder { radius, half } => grid(Vec3::new(*radius, *radius, *half), Vec3::ZERO, cell, convex),
         Convex::Box { half } => grid(*half, Vec3::ZERO, cell, convex),
         Convex::Hull(hull) => {

@@ -119,7 +119,7 @@ impl Body {
             });
         }
         body.add_pairs(group, &own, settings);
-        body.measure(group, &own);
+        body.measure(group);
         body
     }
 
@@ -168,18 +168,47 @@ impl Body {
         self.parts.len() + self.pairs.len()
     }
 
-    fn measure(&mut self, group: &Group, own: &[Vec<Sphere>]) {
+    /// The same robot with spheres added to a link (in its frame): what a hand holds. They are
+    /// checked against all links but `beside`.
+    pub fn with_attached(&self, group: &Group, link: usize, spheres: &[Sphere], beside: &[usize], settings: &Settings) -> Body {
+        let mut body = self.clone();
+        let seat = self.chain.seats[link];
+        let mut seated: Vec<Sphere> =
+            spheres.iter().map(|s| Sphere { centre: seat.frame_from_link.point(s.centre), radius: s.radius }).collect();
+        let first = body.parts.len();
+        divide(&mut seated, settings, &mut |spheres| body.add_part(link, seat.frame, spheres));
+        for a in 0..first {
+            if body.parts[a].frame == seat.frame || beside.contains(&body.parts[a].link) {
+                continue;
+            }
+            for b in first..body.parts.len() {
+                let from = body.rows.len();
+                for i in body.parts[a].balls.clone() {
+                    let first = body.partners.len();
+                    let sum = |j: usize| body.balls[i].radius + body.balls[j].radius;
+                    body.partners.extend(body.parts[b].balls.clone().map(|j| Partner { ball: j, sum: sum(j) }));
+                    let guard = body.balls[i].radius + body.parts[b].bound.radius;
+                    body.rows.push(Row { ball: i, guard, partners: first..body.partners.len() });
+                }
+                let bound = body.parts[a].bound.radius + body.parts[b].bound.radius;
+                body.pairs.push(Pair { a, b, bound, rows: from..body.rows.len() });
+            }
+        }
+        body.measure(group);
+        body
+    }
+
+    fn measure(&mut self, group: &Group) {
         let variables = self.chain.joints + 1;
         let groups = self.entities().div_ceil(LANES);
         self.reach = vec![vec![Lanes::ZERO; groups]; variables];
         self.least = vec![Lanes::splat(1.0); groups];
+        let middle = |ball: &Ball| Vec3::from_array(ball.centre.map(f64::from));
         let reaches: Vec<Vec<f64>> = self
             .parts
             .iter()
-            .zip(own)
-            .map(|(part, spheres)| {
-                let bound = Vec3::from_array(part.bound.centre.map(f64::from));
-                let points: Vec<Vec3> = spheres.iter().map(|s| s.centre).chain([bound]).collect();
+            .map(|part| {
+                let points: Vec<Vec3> = self.balls[part.balls.clone()].iter().chain([&part.bound]).map(middle).collect();
                 reach_of(group, part.link, &self.chain.seats[part.link].frame_from_link, &points)
             })
             .collect();

@@ -4,10 +4,11 @@
 //! to a frame are folded into it. One sine and cosine per turning joint; constant rotations that
 //! only swap axes (the common case) cost nothing.
 
-use super::vector::{Lanes, Point, load, sin_cos, splat};
+use super::kernel::Upright;
+use super::vector::{Lanes, Point, bits, load, sin_cos, splat};
 use clearway_geometry::{Mat3, Pose, Vec3};
 use clearway_robot::{Kinematics, Motion};
-use fearless_simd::{Simd, SimdFloat, f32x16};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 
 /// A frame in lanes: its axes' directions and its origin, in the root frame.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +24,18 @@ impl Frame {
     pub fn identity() -> Self {
         let (one, zero) = (Lanes::splat(1.0), Lanes::ZERO);
         Self { x: [one, zero, zero], y: [zero, one, zero], z: [zero, zero, one], origin: [zero; 3] }
+    }
+
+    /// Whether a direction of this frame leans no farther than it may, in every lane.
+    #[inline(always)]
+    pub fn points_up<S: Simd>(&self, simd: S, upright: &Upright) -> bool {
+        let [ux, uy, uz] = upright.upward.map(|x| splat(simd, x));
+        let mut sum = splat(simd, 0.0);
+        for (axis, along) in [(&self.x, upright.axis[0]), (&self.y, upright.axis[1]), (&self.z, upright.axis[2])] {
+            let up = load(simd, &axis[0]).mul_add(ux, load(simd, &axis[1]).mul_add(uy, load(simd, &axis[2]) * uz));
+            sum = up.mul_add(splat(simd, along), sum);
+        }
+        bits(sum.simd_lt(splat(simd, upright.least))) == 0
     }
 
     /// A point given in this frame, in the root frame.

@@ -24,6 +24,18 @@ pub const ROUNDING: f32 = 1e-5;
 /// How often a stretch is sampled four times finer.
 const FINEST: u32 = 3;
 
+/// How far a direction of a frame may lean from where it should point; asked of the samples only.
+#[derive(Clone, Copy, Debug)]
+pub struct Upright {
+    pub frame: usize,
+    /// Unit, in that frame.
+    pub axis: [f32; 3],
+    /// Unit, in the root frame.
+    pub upward: [f32; 3],
+    /// Cosine of the largest angle between the two.
+    pub least: f32,
+}
+
 /// What a motion is checked against.
 #[derive(Clone, Copy, Debug)]
 pub struct Around<'a> {
@@ -34,6 +46,9 @@ pub struct Around<'a> {
     pub margin: f32,
     /// The hand's joint value.
     pub hand: f32,
+    pub upright: Option<Upright>,
+    /// By part, where there are any: obstacles that it is known never to touch, as bits per slot.
+    pub never: &'a [Vec<u16>],
 }
 
 /// The robot and the machine's best instructions.
@@ -139,6 +154,28 @@ impl Kernel {
         dispatch!(self.level, simd => self.all_touched(simd, count, around, scratch, touched));
     }
 
+    /// Which of some rows, with straight lines between them, are surely free: calls `unsure` with
+    /// ranges of rows (from, to, both included) about which nothing is known.
+    pub fn rows_free(&self, rows: &[Vec<f64>], around: &Around, scratch: &mut Scratch, mut unsure: impl FnMut(usize, usize)) {
+        let mut first = 0;
+        while first + 1 < rows.len() {
+            let last = (first + LANES - 1).min(rows.len() - 1);
+            let block = &rows[first..=last];
+            let mut joints = [Lanes::ZERO; 64];
+            let joints = &mut joints[..scratch.by.len().min(64)];
+            for (j, lanes) in joints.iter_mut().enumerate() {
+                for (lane, value) in lanes.0.iter_mut().enumerate() {
+                    *value = block[lane.min(block.len() - 1)][j] as f32;
+                }
+                scratch.by[j] = block.windows(2).map(|w| (w[1][j] - w[0][j]).abs() as f32).fold(0.0, f32::max);
+            }
+            if !dispatch!(self.level, simd => self.block_free(simd, joints, around, scratch)) {
+                unsure(first, last);
+            }
+            first = last;
+        }
+    }
+
     /// By lane, as bits: the configurations that touch nothing at all. `joints` has a row per joint.
     pub fn configurations_free(&self, joints: &[Lanes], around: &Around, scratch: &mut Scratch) -> u32 {
         scratch.configurations += LANES as u64;
@@ -221,6 +258,20 @@ impl Kernel {
     }
 
     #[inline(always)]
+    fn block_free<S: Simd>(&self, simd: S, joints: &[Lanes], around: &Around, scratch: &mut Scratch) -> bool {
+        scratch.configurations += LANES as u64;
+        self.set_swing(simd, scratch);
+        self.set_step(simd, 1.0, scratch);
+        // Rows are no straight motion: from one of the four places asked about to the next row but
+        // two, and half a step beyond.
+        scratch.strays = 3.0;
+        let hand = around.hand;
+        let variable = |j: usize| if j < joints.len() { load(simd, &joints[j]) } else { splat(simd, hand) };
+        self.body.chain.place(simd, variable, &mut scratch.frames);
+        self.batch::<S, false>(simd, true, around, scratch, &mut Touched::default()) == Some(0)
+    }
+
+    #[inline(always)]
     fn all_touched<S: Simd>(&self, simd: S, count: usize, around: &Around, scratch: &mut Scratch, touched: &mut Touched) {
         self.set_swing(simd, scratch);
         let batches = count / LANES;
@@ -295,6 +346,11 @@ impl Kernel {
         scratch.batch = scratch.batch.wrapping_add(1).max(1);
         if first {
             scratch.candidates.clear();
+        }
+        if let Some(upright) = &around.upright
+            && !scratch.frames[upright.frame].points_up(simd, upright)
+        {
+            return None;
         }
         let margin = around.margin + ROUNDING;
         let mut near = 0;
@@ -412,7 +468,9 @@ impl Kernel {
         }
         let from = scratch.candidates.len() as u32;
         let candidates = &mut scratch.candidates;
-        around.obstacles.near(simd, lo, hi, part.bound.radius + more, around.standing, |slot| candidates.push(slot as u32));
+        let never = around.never.get(index).map_or(&[][..], |n| n);
+        let standing = |group: usize| around.standing[group] & !never.get(group).copied().unwrap_or(0);
+        around.obstacles.near(simd, lo, hi, part.bound.radius + more, standing, |slot| candidates.push(slot as u32));
         scratch.reached[index] = (from, candidates.len() as u32);
     }
 
@@ -465,7 +523,8 @@ impl Kernel {
             let centre = Point::load(simd, &scratch.centres[index]);
             let bound = part.bound.radius + margin;
             for (slot, shape) in around.obstacles.shapes.iter().enumerate() {
-                if around.standing[slot / LANES] >> (slot % LANES) & 1 == 0
+                let never = around.never.get(index).and_then(|n| n.get(slot / LANES)).copied().unwrap_or(0);
+                if (around.standing[slot / LANES] & !never) >> (slot % LANES) & 1 == 0
                     || shape.meets(simd, centre, bound) & !hit == 0
                 {
                     continue;

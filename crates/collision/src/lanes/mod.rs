@@ -5,7 +5,7 @@
 //! [`crate::World`] decide.
 
 pub mod body;
-mod chain;
+pub mod chain;
 pub mod exact;
 
 pub mod kernel;
@@ -15,7 +15,8 @@ pub mod shape;
 mod vector;
 
 pub use body::{Body, Settings};
-pub use kernel::{Around, Kernel, Scratch, Touched};
+pub use kernel::{Around, Kernel, Scratch, Touched, Upright};
+pub use never::Relative;
 pub use obstacles::{Obstacles, Piece};
 pub use vector::{LANES, Lanes};
 

@@ -135,7 +135,7 @@ impl Obstacles {
         lo: [f32; 3],
         hi: [f32; 3],
         reach: f32,
-        mask: &[u16],
+        standing: impl Fn(usize) -> u16,
         mut found: impl FnMut(usize),
     ) {
         for (t, top) in self.tops.iter().enumerate() {
@@ -143,7 +143,7 @@ impl Obstacles {
             while groups != 0 {
                 let g = t * LANES + groups.trailing_zeros() as usize;
                 groups &= groups - 1;
-                let standing = u32::from(mask[g]);
+                let standing = u32::from(standing(g));
                 if standing == 0 {
                     continue;
                 }
