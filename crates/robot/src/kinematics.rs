@@ -9,32 +9,32 @@ use clearway_geometry::{Mat3, Pose, Vec3};
 /// What moves a joint: `value = multiplier · variable + offset`. Variables are the arm's joints
 /// in order, then the hand's.
 #[derive(Clone, Copy, Debug)]
-struct Source {
-    variable: usize,
-    multiplier: f64,
-    offset: f64,
+pub(crate) struct Source {
+    pub variable: usize,
+    pub multiplier: f64,
+    pub offset: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Motion {
+pub(crate) enum Motion {
     Still,
     Turn { axis: Vec3, source: Source },
     Slide { axis: Vec3, source: Source },
 }
 
 #[derive(Clone, Debug)]
-struct LinkStep {
-    parent: usize,
+pub(crate) struct LinkStep {
+    pub parent: usize,
     /// Fixed part; joints held at a value are folded into it.
-    parent_from_joint: Pose,
-    motion: Motion,
+    pub parent_from_joint: Pose,
+    pub motion: Motion,
 }
 
 /// A robot's tree, flattened for speed.
 #[derive(Clone, Debug)]
 pub struct Kinematics {
     /// By link, parents before children; the root's entry is not used.
-    steps: Vec<LinkStep>,
+    pub(crate) steps: Vec<LinkStep>,
     /// How many joints the arm has.
     pub arm_joints: usize,
     /// The link whose frame is the tool.
