@@ -134,7 +134,7 @@ fn panda_is_what_its_files_say() {
     assert_eq!(robot.acceleration, [15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0]);
     assert_eq!(robot.jerk, [7500.0, 3750.0, 5000.0, 6250.0, 7500.0, 10000.0, 10000.0]);
     assert_eq!(robot.hand.widest(), 0.08);
-    assert_eq!(robot.disabled_pairs.len(), 12);
+    assert_eq!(robot.disabled_pairs.len(), 11);
     assert!(robot.fixed.is_empty() && robot.meshes.is_empty());
     assert_eq!(robot.named_states.keys().collect::<Vec<_>>(), ["home", "ready"]);
     for (name, &home) in robot.arm_names().iter().zip(&robot.home) {

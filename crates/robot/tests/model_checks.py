@@ -226,16 +226,14 @@ def adjacent_pairs(urdf):
     return {frozenset(joint.find(end).get("link") for end in ("parent", "child")) for joint in joints}
 
 
-def check_unchecked_pairs(urdf, srdf, hand, share, official=()):
-    """Pairs never checked are adjacent, in the hand, touch in most postures, or touch in many and are
-    not checked by the `official` SRDF's pairs either; and no pair that touches in many was forgotten,
-    as it would make them collisions."""
+def check_unchecked_pairs(urdf, srdf, hand, share):
+    """Pairs never checked are adjacent, in the hand, or touch in most postures; and no pair that
+    touches in most was forgotten, as it would make them collisions."""
     unchecked, adjacent = unchecked_pairs(srdf), adjacent_pairs(urdf)
     for pair in unchecked:
-        excused = share[pair] >= (0.3 if pair in official else 0.7)
-        assert pair in adjacent or pair <= hand or excused, sorted(pair)
+        assert pair in adjacent or pair <= hand or share[pair] >= 0.7, sorted(pair)
     for pair, part in share.items():
-        assert part < 0.3 or pair in unchecked, sorted(pair)
+        assert part < 0.7 or pair in unchecked, sorted(pair)
 
 
 def print_touching(share, srdf):

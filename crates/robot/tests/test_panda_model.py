@@ -51,7 +51,7 @@ def test_our_shapes_contain_the_official_meshes():
         outside, most, mean = excess(link)
         room = PAD if link == "panda_leftfinger" else 0
         assert outside <= room, f"{link} sticks out by {outside * 1e3:.2f} mm"
-        limit = 0.05 if link == "panda_link0" else 0.032
+        limit = 0.05 if link == "panda_link0" else 0.027
         assert most <= limit and mean <= 0.010, f"{link} is too large: {most}, {mean}"
 
 
@@ -75,8 +75,11 @@ def test_pads_are_as_far_apart_as_the_joint_says():
 
 
 def test_unchecked_pairs_are_adjacent_or_in_the_hand_or_always_touch():
-    official = checks.unchecked_pairs(THEIRS / "srdf" / "panda.srdf")
-    checks.check_unchecked_pairs(OURS, OUR_SRDF, HAND, touching(300), official)
+    share = touching(300)
+    checks.check_unchecked_pairs(OURS, OUR_SRDF, HAND, share)
+    # Nothing but the wrist folded back meets often: other pairs would cost the planner its room.
+    for pair, part in share.items():
+        assert part < 0.25 or pair in checks.unchecked_pairs(OUR_SRDF), (sorted(pair), part)
 
 
 if __name__ == "__main__":
