@@ -4,6 +4,7 @@
 //! `cargo bench -p clearway-robot --bench inverse [-- ROBOT…]`: built-in names or robot files.
 
 use clearway_geometry::{Pose, Vec3};
+use clearway_robot::inverse::SphericalShoulder;
 use clearway_robot::{InverseKinematics, Kinematics, Robot, description::BUILT_IN};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -61,6 +62,9 @@ fn measure(name: &str, robot: &Robot) {
         assert!(inverse.solve(&beyond, &robot.home).is_empty(), "{name}: an answer out of reach");
         refusing += began.elapsed();
     }
+    if let Some(closed) = SphericalShoulder::of(robot, &kinematics) {
+        one_value(robot, &kinematics, &closed);
+    }
     let each = |t: Duration, n: usize| t.as_secs_f64() * 1e6 / n.max(1) as f64;
     println!(
         "{:>8.2}% {:>10.1} {:>10.1} {:>12.0} {:>13.1}% {:>16.2} {:>12.1}  {name}: {}",
@@ -73,4 +77,22 @@ fn measure(name: &str, robot: &Robot) {
         each(refusing, POSES),
         inverse.describe(),
     );
+}
+
+/// The closed form at one value of the last joint.
+fn one_value(robot: &Robot, kinematics: &Kinematics, closed: &SphericalShoulder) {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
+    let postures: Vec<Vec<f64>> =
+        (0..POSES).map(|_| robot.lower.iter().zip(&robot.upper).map(|(&l, &u)| random.random_range(l..u)).collect()).collect();
+    let poses: Vec<Pose> = postures.iter().map(|q| kinematics.tool(q, 0.0)).collect();
+    const ROUNDS: usize = 20;
+    let mut branches = 0;
+    let began = Instant::now();
+    for _ in 0..ROUNDS {
+        for (pose, q) in poses.iter().zip(&postures) {
+            closed.solve_at(pose, q[6], |_| branches += 1);
+        }
+    }
+    let each = began.elapsed().as_secs_f64() * 1e6 / (ROUNDS * POSES) as f64;
+    println!("one value of the last joint: {each:.2} µs, {:.2} branches", branches as f64 / (ROUNDS * POSES) as f64);
 }

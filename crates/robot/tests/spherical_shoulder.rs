@@ -161,9 +161,8 @@ fn solve6(columns: &[[f64; 6]], right: [f64; 6]) -> Option<[f64; 6]> {
         for j in 0..6 {
             if j != i {
                 let factor = rows[j][i] / rows[i][i];
-                for k in i..7 {
-                    rows[j][k] -= factor * rows[i][k];
-                }
+                let pivot = rows[i].clone();
+                rows[j].iter_mut().zip(&pivot).for_each(|(a, b)| *a -= factor * b);
             }
         }
     }

@@ -88,7 +88,14 @@ fn error(target: &Pose, at: &Pose) -> (Vec3, Vec3) {
 /// Moves `q` towards the target for at most `steps` steps, within the limits if there are any;
 /// whether it came within `tolerance`. Joints at a limit that would leave it stand still, and the
 /// others make up for them.
-pub fn descend(chain: &Chain, target: &Pose, q: &mut [f64], limits: Option<Limits>, steps: usize, tolerance: f64) -> bool {
+pub fn descend(
+    chain: &Chain,
+    target: &Pose,
+    q: &mut [f64],
+    limits: Option<Limits>,
+    steps: usize,
+    tolerance: f64,
+) -> bool {
     let n = chain.joints;
     let mut jacobian = NO_JACOBIAN;
     let mut delta = [0.0; NO_JACOBIAN.len()];
@@ -158,9 +165,7 @@ fn solve6(mut a: [[f64; 6]; 6], b: [f64; 6]) -> Option<[f64; 6]> {
     for i in 0..6 {
         for j in 0..=i {
             let mut sum = a[i][j];
-            for k in 0..j {
-                sum -= a[i][k] * a[j][k];
-            }
+            sum -= a[i][..j].iter().zip(&a[j][..j]).map(|(x, y)| x * y).sum::<f64>();
             if i == j {
                 if sum <= 0.0 {
                     return None;

@@ -60,9 +60,11 @@ impl SphericalShoulder {
         if axes.iter().any(|a| a.slides) {
             return None;
         }
-        let meet = |i: usize, j: usize| meeting_point(axes[i].origin, axes[i].direction, axes[j].origin, axes[j].direction, MEET);
+        let meet = |i: usize, j: usize| {
+            meeting_point(axes[i].origin, axes[i].direction, axes[j].origin, axes[j].direction, MEET)
+        };
         let (shoulder, wrist) = (meet(0, 1)?, meet(4, 5)?);
-        if (shoulder - axes[2].origin).cross(axes[2].direction).length() > MEET || meet(1, 2)?.distance(shoulder) > 2.0 * MEET {
+        if (shoulder - axes[2].origin).cross(axes[2].direction).length() > MEET {
             return None;
         }
         let axis: [Vec3; 7] = std::array::from_fn(|i| axes[i].direction);
@@ -89,6 +91,9 @@ impl SphericalShoulder {
         let wrist = root_from_tool.translation - turned * self.zero_tool.translation - sixth * to_last;
         let reach = wrist - self.shoulder;
         let distance = reach.length();
+        if distance < 1e-9 {
+            return;
+        }
         let wanted = (distance * distance - to_elbow.length_squared() - to_wrist.length_squared()) / 2.0;
         let Some(fourths) = turn_to_height(to_elbow, h4, to_wrist, wanted) else { return };
         let line = reach / distance;
@@ -105,7 +110,7 @@ impl SphericalShoulder {
             let across5 = axis5 - seen * along5;
             let sizes = across5.length() * across6.length();
             let cosine = (h5.dot(h6) - along5 * along6) / sizes;
-            if sizes < 1e-9 || !(cosine.abs() <= 1.0 + 1e-9) {
+            if sizes < 1e-9 || cosine.abs() > 1.0 + 1e-9 {
                 continue;
             }
             let sine = (1.0 - cosine * cosine).max(0.0).sqrt();

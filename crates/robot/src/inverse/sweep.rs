@@ -36,7 +36,14 @@ pub fn solve(closed: &SphericalShoulder, root_from_tool: &Pose, near: &[f64], lo
 
 /// The posture nearest to `from` (in the joint that moves most) at the value of the last joint
 /// nearest to `from`'s that has one within `reach` in every joint.
-pub fn follow(closed: &SphericalShoulder, root_from_tool: &Pose, from: &[f64], lower: &[f64], upper: &[f64], reach: f64) -> Option<[f64; 7]> {
+pub fn follow(
+    closed: &SphericalShoulder,
+    root_from_tool: &Pose,
+    from: &[f64],
+    lower: &[f64],
+    upper: &[f64],
+    reach: f64,
+) -> Option<[f64; 7]> {
     const STEPS: i32 = 8;
     for step in 0..=STEPS {
         let mut best: Option<(f64, [f64; 7])> = None;
@@ -65,8 +72,8 @@ pub fn follow(closed: &SphericalShoulder, root_from_tool: &Pose, from: &[f64], l
 
 /// A few of the postures, as different as can be, the one nearest to `near` first.
 pub fn spread(mut postures: Vec<Posture>, near: &[f64]) -> Vec<Posture> {
-    let nearest = postures.iter().enumerate().min_by(|a, b| apart(a.1, near).total_cmp(&apart(b.1, near))).map(|(i, _)| i);
-    let Some(first) = nearest else { return postures };
+    let nearest = |a: &usize, b: &usize| apart(&postures[*a], near).total_cmp(&apart(&postures[*b], near));
+    let Some(first) = (0..postures.len()).min_by(nearest) else { return postures };
     let mut chosen = vec![postures.swap_remove(first)];
     let mut gaps: Vec<f64> = postures.iter().map(|q| apart(q, &chosen[0])).collect();
     while chosen.len() < MOST {

@@ -132,15 +132,17 @@ pub fn panda() -> Robot {
 /// A UFactory xArm 7: a Panda's build with other lengths and wider limits; roll angles rounded as in
 /// its maker's URDF.
 pub fn xarm7() -> Robot {
-    let round = [-6.28319, 6.28319];
+    use std::f64::consts::{FRAC_PI_2, TAU};
+    let round = [-TAU, TAU];
+    let quarter = (FRAC_PI_2 * 1e4).round() / 1e4;
     let joints = [
         rolled([0.0, 0.0, 0.267], 0.0, round),
-        rolled([0.0, 0.0, 0.0], -1.5708, [-2.059, 2.0944]),
-        rolled([0.0, -0.293, 0.0], 1.5708, round),
-        rolled([0.0525, 0.0, 0.0], 1.5708, [-0.19198, 3.927]),
-        rolled([0.0775, -0.3425, 0.0], 1.5708, round),
-        rolled([0.0, 0.0, 0.0], 1.5708, [-1.69297, std::f64::consts::PI]),
-        rolled([0.076, 0.097, 0.0], -1.5708, round),
+        rolled([0.0, 0.0, 0.0], -quarter, [-2.059, 2.0944]),
+        rolled([0.0, -0.293, 0.0], quarter, round),
+        rolled([0.0525, 0.0, 0.0], quarter, [-0.19198, 3.927]),
+        rolled([0.0775, -0.3425, 0.0], quarter, round),
+        rolled([0.0, 0.0, 0.0], quarter, [-1.69297, std::f64::consts::PI]),
+        rolled([0.076, 0.097, 0.0], -quarter, round),
     ];
     chain(([0.0; 3], [0.0; 3]), &joints, ([0.0, 0.0, 0.15], [0.0; 3]))
 }
