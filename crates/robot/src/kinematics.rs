@@ -51,7 +51,7 @@ pub struct Tree<'a> {
 /// A robot's tree, flattened for speed.
 #[derive(Clone, Debug)]
 pub struct Kinematics {
-    steps: Vec<LinkStep>,
+    pub(crate) steps: Vec<LinkStep>,
     /// How many joints the arm has.
     pub arm_joints: usize,
     /// The link whose frame is the tool.
