@@ -18,6 +18,7 @@ mod probe;
 mod query;
 mod quick;
 mod report;
+mod suspects;
 mod world;
 
 pub use moment::{Held, Lean, Moment};

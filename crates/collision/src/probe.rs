@@ -51,8 +51,13 @@ impl Slack {
         self.links.iter().copied().fold(0.0, f64::max)
     }
 
+    /// How far any point of a link moves.
+    pub(crate) fn link(&self, index: usize) -> f64 {
+        self.links[index]
+    }
+
     /// How far link `b` moves as seen from link `a`: only joints between them count.
-    fn between(&self, world: &World, a: usize, b: usize) -> f64 {
+    pub(crate) fn between(&self, world: &World, a: usize, b: usize) -> f64 {
         let apart = world.kinematics.moved_by[a] ^ world.kinematics.moved_by[b];
         let reach = |j: usize| world.link_reach[a][j].max(world.link_reach[b][j]);
         self.joints.iter().enumerate().filter(|(j, _)| apart >> j & 1 == 1).map(|(j, d)| d * reach(j)).sum()

@@ -56,13 +56,8 @@ impl World {
                 }
             }
         }
-        if let Some(held) = &moment.held {
-            let root_from_object = frames[self.kinematics.tool] * held.tool_from_object;
-            for part in held.parts.iter() {
-                if self.held_part_meets(part, &root_from_object, moment, frames, held, directions, &mut touched) {
-                    return Touch::Fixed;
-                }
-            }
+        if self.held_meets_placed(moment, frames, directions, &mut touched) {
+            return Touch::Fixed;
         }
         for id in moment.standing.iter() {
             let object = &self.objects[id.index()];
@@ -75,6 +70,19 @@ impl World {
             }
         }
         if self.meets_itself(frames, centres, directions) { Touch::Fixed } else { Touch::Objects(touched) }
+    }
+
+    /// Whether what is held meets anything fixed, the links being placed; objects met are added.
+    pub(crate) fn held_meets(&self, moment: &Moment, scratch: &mut Scratch, touched: &mut ObjectSet) -> bool {
+        let Scratch { frames, directions, .. } = scratch;
+        self.held_meets_placed(moment, frames, directions, touched)
+    }
+
+    fn held_meets_placed(&self, moment: &Moment, frames: &[Pose], directions: &mut Directions, touched: &mut ObjectSet) -> bool {
+        moment.held.as_ref().is_some_and(|held| {
+            let root_from_object = frames[self.kinematics.tool] * held.tool_from_object;
+            held.parts.iter().any(|part| self.held_part_meets(part, &root_from_object, moment, frames, held, directions, touched))
+        })
     }
 
     /// Computes the links' frames and middles for a posture.

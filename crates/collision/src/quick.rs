@@ -5,7 +5,7 @@
 //! What is called free here is free of the exact shapes, too, margins included, for the spheres
 //! cover the links. Where the answer is *touching*, ask [`World`].
 
-use crate::lanes::{Around, Kernel, LANES, Lanes, Obstacles, Piece, Scratch, Upright};
+use crate::lanes::{Around, Kernel, LANES, Lanes, Obstacles, Piece, Scratch, Suspects, Upright};
 use crate::moment::Moment;
 use crate::obstacle::PlacedPart;
 use crate::world::World;
@@ -47,8 +47,9 @@ impl<'a> Quick<'a> {
         };
         let fixtures = world.fixtures.len();
         world.fixtures.iter().enumerate().for_each(|(i, f)| add(&f.parts, i));
-        moment.standing.iter().for_each(|id| add(&world.objects[id.index()].parts, fixtures));
-        moment.placed.iter().for_each(|(_, o)| add(&o.parts, fixtures));
+        let placed = fixtures + world.objects.len();
+        moment.standing.iter().for_each(|id| add(&world.objects[id.index()].parts, fixtures + id.index()));
+        moment.placed.iter().enumerate().for_each(|(i, (_, o))| add(&o.parts, placed + i));
         let obstacles = Obstacles::new(pieces);
         let mut standing = Vec::new();
         obstacles.mask(|_| true, &mut standing);
@@ -89,10 +90,16 @@ impl<'a> Quick<'a> {
         self.kernel.motion_free(a, b, per_radian, &around, &mut self.scratch)
     }
 
-    /// Calls `unsure` with ranges of rows (both ends included) that are not surely free, lines
-    /// between them included.
-    pub fn rows_free(&mut self, rows: &[Vec<f64>], unsure: impl FnMut(usize, usize)) {
+    /// What up to sixteen rows, and the straight lines between them, may touch; owners of obstacles
+    /// are numbered as [`World::suspect`] wants them.
+    pub fn rows_suspects(&mut self, rows: &[Vec<f64>], suspects: &mut Suspects) {
         let around = around!(self);
-        self.kernel.rows_free(rows, &around, &mut self.scratch, unsure);
+        self.kernel.rows_suspects(rows, &around, &mut self.scratch, suspects);
+    }
+
+    /// What up to sixteen postures may touch.
+    pub fn suspects(&mut self, postures: &[Vec<f64>], suspects: &mut Suspects) {
+        let around = around!(self);
+        self.kernel.configurations_suspects(postures, &around, &mut self.scratch, suspects);
     }
 }

@@ -1,6 +1,7 @@
 //! The arm's postures at one moment: which are free, which motions are.
 
 use crate::{MotionValidator, Posture};
+use clearway_collision::lanes::{LANES, Suspects};
 use clearway_collision::{Moment, Probe, Quick, Scratch, Slack, Touch, World};
 use clearway_plan::ObjectSet;
 use std::collections::VecDeque;
@@ -16,6 +17,7 @@ pub struct Space<'a> {
     queue: VecDeque<(f64, f64)>,
     /// Asked first where there is one: what it calls free is free.
     quick: Option<Quick<'a>>,
+    suspects: Suspects,
 }
 
 /// What is looked at exactly.
@@ -24,6 +26,8 @@ enum Whole {
     All,
     /// What is held, and nothing else.
     Held,
+    /// What is held, and what the kernel suspects.
+    Suspects,
 }
 
 /// Samples per radian that quick answers are asked with.
@@ -31,7 +35,7 @@ const PER_RADIAN: f64 = 32.0;
 
 impl<'a> Space<'a> {
     pub fn new(world: &'a World, moment: &'a Moment, step: f64) -> Self {
-        Self { world, moment, step, scratch: Scratch::default(), slack: Slack::default(), queue: VecDeque::new(), quick: None }
+        Self { world, moment, step, scratch: Scratch::default(), slack: Slack::default(), queue: VecDeque::new(), quick: None, suspects: Suspects::default() }
     }
 
     /// The same, with the kernel asked first; worth its making for more than a few motions.
@@ -92,30 +96,31 @@ impl<'a> Space<'a> {
         match whole {
             Whole::All => self.world.probe(q, self.moment, slack, &mut self.scratch),
             Whole::Held => self.world.probe_held(q, self.moment, slack, &mut self.scratch),
+            Whole::Suspects => self.world.probe_among(q, self.moment, slack, &self.suspects, &mut self.scratch),
         }
     }
 
     /// Whether rows with straight lines between them are free, the first included.
     pub fn rows_free(&mut self, rows: &[Posture]) -> bool {
-        let Some(quick) = self.quick.as_mut().filter(|_| rows.len() > 1) else { return self.rows_free_exactly(rows, Whole::All) };
-        let mut unsure: Vec<(usize, usize)> = Vec::new();
-        quick.rows_free(rows, |from, to| match unsure.last_mut() {
-            Some(last) if last.1 == from => last.1 = to,
-            _ => unsure.push((from, to)),
-        });
-        if unsure.iter().any(|&(from, to)| !self.rows_free_exactly(&rows[from..=to], Whole::All)) {
-            return false;
+        if self.quick.is_none() || rows.len() < 2 {
+            return self.rows_free_exactly(rows, Whole::All);
         }
-        if self.moment.held.is_none() {
-            return true;
-        }
-        // In between, only what is held has not been looked at.
+        // Sixteen rows at a time, the last of them the next sixteen's first.
         let mut from = 0;
-        unsure.push((rows.len() - 1, rows.len() - 1));
-        unsure.iter().all(|&(start, end)| {
-            let sure = std::mem::replace(&mut from, end);
-            self.rows_free_exactly(&rows[sure..=start], Whole::Held)
-        })
+        while from + 1 < rows.len() {
+            let to = (from + LANES - 1).min(rows.len() - 1);
+            let mut suspects = std::mem::take(&mut self.suspects);
+            if let Some(quick) = &mut self.quick {
+                quick.rows_suspects(&rows[from..=to], &mut suspects);
+            }
+            let none = suspects.is_empty() && self.moment.held.is_none();
+            self.suspects = suspects;
+            if !none && !self.rows_free_exactly(&rows[from..=to], Whole::Suspects) {
+                return false;
+            }
+            from = to;
+        }
+        true
     }
 
     fn rows_free_exactly(&mut self, rows: &[Posture], whole: Whole) -> bool {

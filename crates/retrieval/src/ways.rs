@@ -13,7 +13,8 @@
 
 use crate::floor::Floor;
 use crate::grasps::{Grasp, preset_grasps};
-use clearway_collision::{Held, Moment, Scratch, Touch, World};
+use clearway_collision::lanes::{LANES, Suspects};
+use clearway_collision::{Held, Moment, Quick, Scratch, Touch, World};
 use clearway_geometry::{Pose, Vec2};
 use clearway_motion::{Posture, distance};
 use clearway_plan::plan_file::GraspCount;
@@ -127,27 +128,36 @@ impl Explorer<'_> {
     pub fn explore(&self, object: ObjectId, scratch: &mut Scratch, budget: &Budget) -> Result<Ways, Stop> {
         let (grasps, too_wide) = preset_grasps(self.world, object);
         let mut found = Ways { counts: Counts { too_wide, ..Counts::default() }, ..Ways::default() };
-        let route = Arc::new(Vec::new());
+        let mut candidates: Vec<(usize, Posture)> = Vec::new();
         for (index, grasp) in grasps.iter().enumerate() {
             budget.check()?;
             let root_from_tool = self.world.poses[object.index()] * grasp.object_from_tool;
             let branches = self.inverse.solve(&root_from_tool, &self.world.robot.home);
-            if branches.is_empty() {
-                found.counts.out_of_reach += 1;
-                continue;
-            }
-            let mut moment = self.moment(object, grasp);
-            moment.resting = true;
-            for posture in branches {
-                match self.world.touched(&posture, &moment, scratch) {
+            found.counts.out_of_reach += usize::from(branches.is_empty());
+            candidates.extend(branches.into_iter().map(|q| (index, q)));
+        }
+        let moments: Vec<Moment> =
+            grasps.iter().map(|grasp| Moment { resting: true, ..self.moment(object, grasp) }).collect();
+        let route = Arc::new(Vec::new());
+        let Some(first) = moments.first() else { return Ok(found) };
+        let mut quick = Quick::new(self.world, first);
+        let mut suspects = Suspects::default();
+        let mut postures: Vec<Posture> = Vec::with_capacity(LANES);
+        for some in candidates.chunks(LANES) {
+            budget.check()?;
+            postures.clear();
+            postures.extend(some.iter().map(|(_, q)| q.clone()));
+            quick.suspects(&postures, &mut suspects);
+            for (lane, (grasp, posture)) in some.iter().enumerate() {
+                match self.world.touched_among(posture, &moments[*grasp], &suspects, lane, scratch) {
                     Touch::Fixed => found.counts.fixed_at_grasp += 1,
                     Touch::Objects(touched) => {
                         // Nothing is lifted from under a load.
                         let blocked_by = touched.union(self.world.loads[object.index()]);
                         found.counts.ways += 1;
                         found.ways.push(Way {
-                            grasp: index,
-                            postures: vec![posture],
+                            grasp: *grasp,
+                            postures: vec![posture.clone()],
                             blocked_by,
                             stage: Stage::Grasp,
                             route: route.clone(),
@@ -222,27 +232,46 @@ impl Explorer<'_> {
             [] => Some(back * out),
             route => along(route, out).map(|p| world.root_from_world.rotation * p.extend(0.0)),
         };
+        // As far as the arm reaches; then what it meets on the way, sixteen postures at a time.
         let mut postures = vec![way.postures[0].clone()];
-        let mut blocked_by = ObjectSet::EMPTY;
-        let mut clear = false;
+        let mut outs = Vec::new();
         let mut out = 0.0;
         while let Some(moved) = offset(out) {
             let target = Pose::new(start.rotation, lifted + moved);
             let Some(posture) = self.inverse.follow(&target, &postures[postures.len() - 1], 0.6) else { break };
-            match world.touched(&posture, &moment, scratch) {
-                Touch::Fixed => break,
-                Touch::Objects(set) => blocked_by = blocked_by.union(set),
-            }
-            if !way.route.is_empty() && !world.free(&posture, &coming, scratch) {
-                return None;
-            }
-            postures.push(posture);
             let object_at = world.world_from_root.point(world.poses[object.index()].translation + moved);
-            clear = self.floor.beyond_clutter(object_at.truncate(), object_at.z - below);
+            let clear = self.floor.beyond_clutter(object_at.truncate(), object_at.z - below);
+            postures.push(posture);
+            outs.push((out, clear));
             if (clear && out >= standoff) || out >= self.settings.farthest {
                 break;
             }
             out += step;
+        }
+        let mut blocked_by = ObjectSet::EMPTY;
+        let (mut clear, mut met) = (false, None);
+        let mut quick = Quick::new(world, &moment);
+        let mut suspects = Suspects::default();
+        'all: for (chunk, some) in postures[1..].chunks(LANES).enumerate() {
+            quick.suspects(some, &mut suspects);
+            for (lane, posture) in some.iter().enumerate() {
+                let index = chunk * LANES + lane;
+                match world.touched_among(posture, &moment, &suspects, lane, scratch) {
+                    Touch::Fixed => {
+                        met = Some(index);
+                        break 'all;
+                    }
+                    Touch::Objects(set) => blocked_by = blocked_by.union(set),
+                }
+                if !way.route.is_empty() && !world.free(posture, &coming, scratch) {
+                    return None;
+                }
+                clear = outs[index].1;
+            }
+        }
+        if let Some(index) = met {
+            postures.truncate(index + 1);
+            out = outs[index].0;
         }
         (postures.len() > 2 && (out >= standoff || clear)).then_some((postures, blocked_by, clear))
     }

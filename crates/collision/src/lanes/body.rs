@@ -6,6 +6,7 @@ use super::never::Relative;
 use super::vector::{LANES, Lanes};
 use clearway_geometry::{Pose, Vec3};
 use clearway_robot::{Group, Motion, Sphere, bounding_sphere};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// A ball in a frame of the chain, metres.
@@ -106,60 +107,73 @@ impl Body {
             unchecked,
             self_margin: settings.self_margin as f32,
         };
-        let mut own: Vec<Vec<Sphere>> = Vec::new();
+        // By part: which of its link's spheres it has, in order.
+        let mut members: Vec<Vec<usize>> = Vec::new();
         for (link, spheres) in spheres.iter().enumerate() {
             let seat = body.chain.seats[link];
-            let mut seated: Vec<Sphere> = spheres
+            let mut seated: Vec<(usize, Sphere)> = spheres
                 .iter()
                 .map(|s| Sphere { centre: seat.frame_from_link.point(s.centre), radius: s.radius })
+                .enumerate()
                 .collect();
-            divide(&mut seated, settings, &mut |spheres| {
-                own.push(spheres.to_vec());
-                body.add_part(link, seat.frame, spheres);
+            divide(&mut seated, settings, &mut |part| {
+                members.push(part.iter().map(|(i, _)| *i).collect());
+                body.add_part(link, seat.frame, part);
             });
         }
-        body.add_pairs(group, &own, settings);
+        body.add_pairs(group, spheres, &members, settings);
         body.measure(group);
         body
     }
 
-    fn add_part(&mut self, link: usize, frame: usize, spheres: &[Sphere]) {
+    fn add_part(&mut self, link: usize, frame: usize, spheres: &[(usize, Sphere)]) {
         let from = self.balls.len();
+        let spheres: Vec<Sphere> = spheres.iter().map(|(_, s)| *s).collect();
         self.balls.extend(spheres.iter().map(ball));
-        self.parts.push(Part { link, frame, bound: ball(&bounding_sphere(spheres)), balls: from..self.balls.len() });
+        self.parts.push(Part { link, frame, bound: ball(&bounding_sphere(&spheres)), balls: from..self.balls.len() });
     }
 
-    fn add_pairs(&mut self, group: &Group, own: &[Vec<Sphere>], settings: &Settings) {
-        for a in 0..self.parts.len() {
-            for b in a + 1..self.parts.len() {
-                let (fa, fb) = (self.parts[a].frame, self.parts[b].frame);
-                let (la, lb) = (self.parts[a].link, self.parts[b].link);
-                if fa == fb || self.unchecked.contains(&(la.min(lb), la.max(lb))) {
-                    continue;
-                }
-                let relative = Relative::new(group, la, lb);
-                let met = relative.could_meet(&self.chain.seats, (la, &own[a]), (lb, &own[b]), settings.self_margin);
-                let from = self.rows.len();
-                for (i, partners) in met.into_iter().enumerate() {
-                    if partners.is_empty() {
-                        continue;
-                    }
-                    let first = self.partners.len();
-                    self.partners.extend(partners.into_iter().map(|j| Partner {
-                        ball: self.parts[b].balls.start + j,
-                        sum: (own[a][i].radius + own[b][j].radius) as f32,
-                    }));
-                    self.rows.push(Row {
-                        ball: self.parts[a].balls.start + i,
-                        guard: own[a][i].radius as f32 + self.parts[b].bound.radius,
-                        partners: first..self.partners.len(),
-                    });
-                }
-                if self.rows.len() > from {
-                    let bound = self.parts[a].bound.radius + self.parts[b].bound.radius;
-                    self.pairs.push(Pair { a, b, bound, rows: from..self.rows.len() });
+    /// `members`: by part, which of its link's spheres it has.
+    fn add_pairs(&mut self, group: &Group, spheres: &[Vec<Sphere>], members: &[Vec<usize>], settings: &Settings) {
+        let frame = |link: usize| self.chain.seats[link].frame;
+        let mut meet: BTreeMap<(usize, usize), Vec<Vec<bool>>> = BTreeMap::new();
+        for a in 0..spheres.len() {
+            for b in a + 1..spheres.len() {
+                let shaped = !spheres[a].is_empty() && !spheres[b].is_empty();
+                if shaped && frame(a) != frame(b) && !self.unchecked.contains(&(a, b)) {
+                    let relative = Relative::new(group, a, b);
+                    meet.insert((a, b), relative.could_meet(&spheres[a], &spheres[b], settings.self_margin));
                 }
             }
+        }
+        for a in 0..self.parts.len() {
+            for b in a + 1..self.parts.len() {
+                if let Some(meet) = meet.get(&(self.parts[a].link, self.parts[b].link)) {
+                    self.add_pair(a, b, |i, j| meet[members[a][i]][members[b][j]]);
+                }
+            }
+        }
+    }
+
+    /// `meet`: whether the parts' `i`-th and `j`-th balls could.
+    fn add_pair(&mut self, a: usize, b: usize, meet: impl Fn(usize, usize) -> bool) {
+        let from = self.rows.len();
+        for (i, ball) in self.parts[a].balls.clone().enumerate() {
+            let first = self.partners.len();
+            let radius = self.balls[ball].radius;
+            for (j, other) in self.parts[b].balls.clone().enumerate() {
+                if meet(i, j) {
+                    self.partners.push(Partner { ball: other, sum: radius + self.balls[other].radius });
+                }
+            }
+            if self.partners.len() > first {
+                let guard = radius + self.parts[b].bound.radius;
+                self.rows.push(Row { ball, guard, partners: first..self.partners.len() });
+            }
+        }
+        if self.rows.len() > from {
+            let bound = self.parts[a].bound.radius + self.parts[b].bound.radius;
+            self.pairs.push(Pair { a, b, bound, rows: from..self.rows.len() });
         }
     }
 
@@ -173,25 +187,13 @@ impl Body {
     pub fn with_attached(&self, group: &Group, link: usize, spheres: &[Sphere], beside: &[usize], settings: &Settings) -> Body {
         let mut body = self.clone();
         let seat = self.chain.seats[link];
-        let mut seated: Vec<Sphere> =
-            spheres.iter().map(|s| Sphere { centre: seat.frame_from_link.point(s.centre), radius: s.radius }).collect();
+        let seated = spheres.iter().map(|s| Sphere { centre: seat.frame_from_link.point(s.centre), radius: s.radius });
+        let mut seated: Vec<(usize, Sphere)> = seated.enumerate().collect();
         let first = body.parts.len();
-        divide(&mut seated, settings, &mut |spheres| body.add_part(link, seat.frame, spheres));
-        for a in 0..first {
-            if body.parts[a].frame == seat.frame || beside.contains(&body.parts[a].link) {
-                continue;
-            }
+        divide(&mut seated, settings, &mut |part| body.add_part(link, seat.frame, part));
+        for a in (0..first).filter(|&a| self.parts[a].frame != seat.frame && !beside.contains(&self.parts[a].link)) {
             for b in first..body.parts.len() {
-                let from = body.rows.len();
-                for i in body.parts[a].balls.clone() {
-                    let first = body.partners.len();
-                    let sum = |j: usize| body.balls[i].radius + body.balls[j].radius;
-                    body.partners.extend(body.parts[b].balls.clone().map(|j| Partner { ball: j, sum: sum(j) }));
-                    let guard = body.balls[i].radius + body.parts[b].bound.radius;
-                    body.rows.push(Row { ball: i, guard, partners: first..body.partners.len() });
-                }
-                let bound = body.parts[a].bound.radius + body.parts[b].bound.radius;
-                body.pairs.push(Pair { a, b, bound, rows: from..body.rows.len() });
+                body.add_pair(a, b, |_, _| true);
             }
         }
         body.measure(group);
@@ -237,20 +239,20 @@ fn ball(s: &Sphere) -> Ball {
 }
 
 /// Cuts across the longest side until the parts are small.
-fn divide(spheres: &mut [Sphere], settings: &Settings, found: &mut impl FnMut(&[Sphere])) {
+fn divide(spheres: &mut [(usize, Sphere)], settings: &Settings, found: &mut impl FnMut(&[(usize, Sphere)])) {
     if spheres.is_empty() {
         return;
     }
-    if spheres.len() <= settings.part_balls || bounding_sphere(spheres).radius <= settings.part_radius {
+    let all: Vec<Sphere> = spheres.iter().map(|(_, s)| *s).collect();
+    if spheres.len() <= settings.part_balls || bounding_sphere(&all).radius <= settings.part_radius {
         found(spheres);
         return;
     }
-    let (min, max) = spheres
-        .iter()
-        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), s| (a.min(s.centre), b.max(s.centre)));
+    let (min, max) =
+        all.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), s| (a.min(s.centre), b.max(s.centre)));
     let size = max - min;
     let axis = if size.x >= size.y && size.x >= size.z { 0 } else if size.y >= size.z { 1 } else { 2 };
-    spheres.sort_by(|a, b| a.centre[axis].total_cmp(&b.centre[axis]));
+    spheres.sort_by(|(_, a), (_, b)| a.centre[axis].total_cmp(&b.centre[axis]));
     let (left, right) = spheres.split_at_mut(spheres.len() / 2);
     divide(left, settings, found);
     divide(right, settings, found);

@@ -79,6 +79,7 @@ pub struct Scratch {
     reached: Vec<(u32, u32)>,
     candidates: Vec<u32>,
     near: Vec<u32>,
+    joints: Vec<Lanes>,
     /// Times a part's swing: how far it may be from the box about four of its places on a stretch.
     strays: f32,
     /// Parts, those that touched last first.
@@ -89,12 +90,39 @@ pub struct Scratch {
     pub motions: u64,
 }
 
-/// Found on the way, where all of it is wanted.
+/// Two things that may touch: a link and the owner of an obstacle, or two links.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Suspect {
+    pub link: usize,
+    pub other: usize,
+    /// In which of the sixteen configurations.
+    pub lanes: u16,
+}
+
+/// All that the spheres of some configurations touch. Nothing else is touched by the links.
 #[derive(Clone, Debug, Default)]
-pub struct Touched {
-    /// Owners of obstacles, each once.
-    pub owners: Vec<u32>,
-    pub itself: bool,
+pub struct Suspects {
+    pub obstacles: Vec<Suspect>,
+    pub pairs: Vec<Suspect>,
+}
+
+impl Suspects {
+    pub fn is_empty(&self) -> bool {
+        self.obstacles.is_empty() && self.pairs.is_empty()
+    }
+
+    fn clear(&mut self) {
+        self.obstacles.clear();
+        self.pairs.clear();
+    }
+}
+
+fn note(suspects: &mut Vec<Suspect>, link: usize, other: usize, lanes: u32) {
+    let lanes = lanes as u16;
+    match suspects.iter_mut().find(|s| s.link == link && s.other == other) {
+        Some(known) => known.lanes |= lanes,
+        None => suspects.push(Suspect { link, other, lanes }),
+    }
 }
 
 impl Kernel {
@@ -117,6 +145,7 @@ impl Kernel {
             reached: vec![(0, 0); body.parts.len()],
             candidates: Vec::with_capacity(256),
             near: Vec::with_capacity(64),
+            joints: vec![Lanes::ZERO; body.chain.joints],
             strays: 0.0,
             parts: (0..body.parts.len() as u16).filter(|p| body.parts[usize::from(*p)].frame != 0).rev().collect(),
             configurations: 0,
@@ -140,40 +169,38 @@ impl Kernel {
         dispatch!(self.level, simd => self.motion(simd, count, around, scratch))
     }
 
-    /// Everything that the spheres, made larger for what lies between samples, touch on the way.
-    pub fn motion_touched(
-        &self,
-        a: &[f64],
-        b: &[f64],
-        per_radian: f64,
-        around: &Around,
-        scratch: &mut Scratch,
-        touched: &mut Touched,
-    ) {
-        let count = self.begin(a, b, per_radian, scratch);
-        dispatch!(self.level, simd => self.all_touched(simd, count, around, scratch, touched));
+    /// What up to sixteen rows, and the straight lines between them, may touch.
+    pub fn rows_suspects(&self, rows: &[Vec<f64>], around: &Around, scratch: &mut Scratch, suspects: &mut Suspects) {
+        let steps = |j: usize| rows.windows(2).map(|w| (w[1][j] - w[0][j]).abs() as f32).fold(0.0, f32::max);
+        for (j, by) in scratch.by.iter_mut().enumerate() {
+            *by = steps(j);
+        }
+        self.suspects(rows, around, scratch, suspects);
     }
 
-    /// Which of some rows, with straight lines between them, are surely free: calls `unsure` with
-    /// ranges of rows (from, to, both included) about which nothing is known.
-    pub fn rows_free(&self, rows: &[Vec<f64>], around: &Around, scratch: &mut Scratch, mut unsure: impl FnMut(usize, usize)) {
-        let mut first = 0;
-        while first + 1 < rows.len() {
-            let last = (first + LANES - 1).min(rows.len() - 1);
-            let block = &rows[first..=last];
-            let mut joints = [Lanes::ZERO; 64];
-            let joints = &mut joints[..scratch.by.len().min(64)];
-            for (j, lanes) in joints.iter_mut().enumerate() {
-                for (lane, value) in lanes.0.iter_mut().enumerate() {
-                    *value = block[lane.min(block.len() - 1)][j] as f32;
-                }
-                scratch.by[j] = block.windows(2).map(|w| (w[1][j] - w[0][j]).abs() as f32).fold(0.0, f32::max);
+    /// What up to sixteen configurations may touch.
+    pub fn configurations_suspects(
+        &self,
+        configurations: &[Vec<f64>],
+        around: &Around,
+        scratch: &mut Scratch,
+        suspects: &mut Suspects,
+    ) {
+        scratch.by.fill(0.0);
+        self.suspects(configurations, around, scratch, suspects);
+    }
+
+    fn suspects(&self, rows: &[Vec<f64>], around: &Around, scratch: &mut Scratch, suspects: &mut Suspects) {
+        suspects.clear();
+        let Some(last) = rows.len().checked_sub(1) else { return };
+        let mut joints = std::mem::take(&mut scratch.joints);
+        for (j, lanes) in joints.iter_mut().enumerate() {
+            for (lane, value) in lanes.0.iter_mut().enumerate() {
+                *value = rows[lane.min(last)][j] as f32;
             }
-            if !dispatch!(self.level, simd => self.block_free(simd, joints, around, scratch)) {
-                unsure(first, last);
-            }
-            first = last;
         }
+        dispatch!(self.level, simd => self.all_suspects(simd, &joints, around, scratch, suspects));
+        scratch.joints = joints;
     }
 
     /// By lane, as bits: the configurations that touch nothing at all. `joints` has a row per joint.
@@ -223,7 +250,7 @@ impl Kernel {
             let index = counting(simd).mul_add(splat(simd, batches as f32), splat(simd, batch as f32));
             let t = index.mul_add(splat(simd, step), splat(simd, lo));
             self.place_at(simd, t, around.hand, scratch);
-            match self.batch::<S, false>(simd, whole && batch == 0, around, scratch, &mut Touched::default()) {
+            match self.batch::<S, false>(simd, whole && batch == 0, around, scratch, &mut Suspects::default()) {
                 Some(near) => scratch.near.push(near),
                 None => return false,
             }
@@ -258,31 +285,16 @@ impl Kernel {
     }
 
     #[inline(always)]
-    fn block_free<S: Simd>(&self, simd: S, joints: &[Lanes], around: &Around, scratch: &mut Scratch) -> bool {
+    fn all_suspects<S: Simd>(&self, simd: S, joints: &[Lanes], around: &Around, scratch: &mut Scratch, suspects: &mut Suspects) {
         scratch.configurations += LANES as u64;
         self.set_swing(simd, scratch);
         self.set_step(simd, 1.0, scratch);
-        // Rows are no straight motion: from one of the four places asked about to the next row but
-        // two, and half a step beyond.
-        scratch.strays = 3.0;
+        // Between rows, and so outside of the box about them all, by half a step at most.
+        scratch.strays = 0.5;
         let hand = around.hand;
         let variable = |j: usize| if j < joints.len() { load(simd, &joints[j]) } else { splat(simd, hand) };
         self.body.chain.place(simd, variable, &mut scratch.frames);
-        self.batch::<S, false>(simd, true, around, scratch, &mut Touched::default()) == Some(0)
-    }
-
-    #[inline(always)]
-    fn all_touched<S: Simd>(&self, simd: S, count: usize, around: &Around, scratch: &mut Scratch, touched: &mut Touched) {
-        self.set_swing(simd, scratch);
-        let batches = count / LANES;
-        let step = 1.0 / (count - 1) as f32;
-        self.set_step(simd, step, scratch);
-        self.set_strays(step, batches, scratch);
-        for batch in 0..batches {
-            let index = counting(simd).mul_add(splat(simd, batches as f32), splat(simd, batch as f32));
-            self.place_at(simd, index * splat(simd, step), around.hand, scratch);
-            self.batch::<S, true>(simd, batch == 0, around, scratch, touched);
-        }
+        self.batch::<S, true>(simd, true, around, scratch, suspects);
     }
 
     /// How far the motion moves each part, and each pair against itself.
@@ -340,14 +352,15 @@ impl Kernel {
         first: bool,
         around: &Around,
         scratch: &mut Scratch,
-        touched: &mut Touched,
+        suspects: &mut Suspects,
     ) -> Option<u32> {
         let body = &self.body;
         scratch.batch = scratch.batch.wrapping_add(1).max(1);
         if first {
             scratch.candidates.clear();
         }
-        if let Some(upright) = &around.upright
+        if !ALL
+            && let Some(upright) = &around.upright
             && !scratch.frames[upright.frame].points_up(simd, upright)
         {
             return None;
@@ -362,7 +375,7 @@ impl Kernel {
             centre.store(&mut scratch.centres[index]);
             if first {
                 let swing = scratch.swing[index / LANES].0[index % LANES];
-                self.reach(simd, index, part, swing * scratch.strays + larger + margin, around, scratch);
+                self.reach::<S, ALL>(simd, index, part, swing * scratch.strays + larger + margin, around, scratch);
             }
             let (from, to) = scratch.reached[index];
             for candidate in from..to {
@@ -371,6 +384,7 @@ impl Kernel {
                 if shape.meets(simd, centre, part.bound.radius + larger + margin) == 0 {
                     continue;
                 }
+                let mut met = 0;
                 for ball in part.balls.clone() {
                     let at = self.ball_at(simd, part.frame, ball, scratch);
                     let radius = body.balls[ball].radius + margin;
@@ -379,8 +393,8 @@ impl Kernel {
                         continue;
                     }
                     if ALL {
-                        note(around.obstacles, slot, touched);
-                        break;
+                        met |= close;
+                        continue;
                     }
                     if shape.meets(simd, at, radius) != 0 {
                         // What touched will be asked first next time.
@@ -390,6 +404,11 @@ impl Kernel {
                         return None;
                     }
                     near |= close;
+                }
+                if met != 0
+                    && let Some(owner) = around.obstacles.owner(slot)
+                {
+                    note(&mut suspects.obstacles, part.link, owner as usize, met);
                 }
             }
         }
@@ -408,7 +427,7 @@ impl Kernel {
             while met != 0 {
                 let index = first * 64 + met.trailing_zeros() as usize;
                 met &= met - 1;
-                near |= self.pair_meets::<S, ALL>(simd, index, margin, scratch, touched)?;
+                near |= self.pair_meets::<S, ALL>(simd, index, margin, scratch, suspects)?;
             }
         }
         Some(near)
@@ -422,7 +441,7 @@ impl Kernel {
         index: usize,
         margin: f32,
         scratch: &mut Scratch,
-        touched: &mut Touched,
+        suspects: &mut Suspects,
     ) -> Option<u32> {
         let body = &self.body;
         let pair = &body.pairs[index];
@@ -430,7 +449,7 @@ impl Kernel {
         let larger = scratch.larger[entity / LANES].0[entity % LANES];
         let centre_b = Point::load(simd, &scratch.centres[pair.b]);
         let square = |r: f32| splat(simd, r * r);
-        let mut near = 0;
+        let (mut near, mut met) = (0, 0);
         let (frame_a, frame_b) = (body.parts[pair.a].frame, body.parts[pair.b].frame);
         for row in &body.rows[pair.rows.clone()] {
             let a = self.ball_at(simd, frame_a, row.ball, scratch);
@@ -445,12 +464,16 @@ impl Kernel {
                     continue;
                 }
                 if ALL {
-                    touched.itself = true;
+                    met |= close;
                 } else if bits(apart.simd_lt(square(partner.sum + margin))) != 0 {
                     return None;
                 }
                 near |= close;
             }
+        }
+        if met != 0 {
+            let (a, b) = (body.parts[pair.a].link, body.parts[pair.b].link);
+            note(&mut suspects.pairs, a.min(b), a.max(b), met);
         }
         Some(near)
     }
@@ -458,10 +481,24 @@ impl Kernel {
     /// Finds the obstacles that a part may come near on a stretch, from where it is at four of its
     /// samples: between them the middle leaves the straight line by at most |c″| h²/8.
     #[inline(always)]
-    fn reach<S: Simd>(&self, simd: S, index: usize, part: &Part, more: f32, around: &Around, scratch: &mut Scratch) {
+    fn reach<S: Simd, const ALL: bool>(
+        &self,
+        simd: S,
+        index: usize,
+        part: &Part,
+        more: f32,
+        around: &Around,
+        scratch: &mut Scratch,
+    ) {
         let at = &scratch.centres[index];
         let (mut lo, mut hi) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
+            if ALL {
+                // Configurations that need not lie on one motion.
+                lo[axis] = load(simd, &at[axis]).reduce_min();
+                hi[axis] = load(simd, &at[axis]).reduce_max();
+                continue;
+            }
             let [a, b, c, d] = [0, 5, 10, 15].map(|lane| at[axis].0[lane]);
             lo[axis] = a.min(b).min(c.min(d));
             hi[axis] = a.max(b).max(c.max(d));
@@ -583,13 +620,5 @@ impl Waiting {
     fn pop(&mut self) -> Option<(f32, f32, u32)> {
         self.count = self.count.checked_sub(1)?;
         Some(self.stretches[self.count])
-    }
-}
-
-fn note(obstacles: &Obstacles, slot: usize, touched: &mut Touched) {
-    if let Some(owner) = obstacles.owner(slot)
-        && !touched.owners.contains(&owner)
-    {
-        touched.owners.push(owner);
     }
 }

@@ -15,7 +15,7 @@ pub mod shape;
 mod vector;
 
 pub use body::{Body, Settings};
-pub use kernel::{Around, Kernel, Scratch, Touched, Upright};
+pub use kernel::{Around, Kernel, Scratch, Suspect, Suspects, Upright};
 pub use never::Relative;
 pub use obstacles::{Obstacles, Piece};
 pub use vector::{LANES, Lanes};

@@ -8,14 +8,12 @@
 //! Whole links are treated in the same way with their exact shapes: spheres of neighbouring links
 //! often overlap where the links never do.
 
-use super::chain::Seat;
 use clearway_geometry::distance::closer_than;
 use clearway_geometry::{Convex, Mat3, Pose, Solid, Vec3};
 use clearway_robot::{Group, Motion, Sphere};
 
-/// Boxes looked at for one pair of parts, and pairs of spheres over all boxes.
-const MOST_BOXES: usize = 400;
-const MOST_WORK: usize = 12_000;
+/// Boxes looked at for the spheres of one pair of links.
+const MOST_BOXES: usize = 128;
 /// Boxes looked at for one pair of links.
 const MOST_LINK_BOXES: usize = 150;
 const MOST_LINK_JOINTS: usize = 2;
@@ -77,8 +75,9 @@ impl Relative {
             }
             let mut contribution = vec![0.0_f64; ranges.len()];
             let mut apart = true;
+            let joints = self.middle(&ranges);
             for (pose, part) in &b.parts {
-                let (at, moved) = self.placed(&ranges, *pose, part.bounding_radius(), &mut contribution);
+                let (at, moved) = placed(&joints, *pose, part.bounding_radius(), &mut contribution);
                 for (pose_a, part_a) in &a.parts {
                     if !closer_than(part_a, pose_a, part, &at, margin) {
                         apart &= !closer_than(part_a, pose_a, part, &at, margin + moved);
@@ -113,54 +112,64 @@ impl Relative {
         })
     }
 
-    /// Where a pose of link `b` is at the middle of a box, and how far a ball about it could be
-    /// moved by any other value; each joint's part in that is noted.
-    fn placed(&self, ranges: &[(f64, f64)], pose: Pose, radius: f64, contribution: &mut [f64]) -> (Pose, f64) {
-        let (mut at, mut moved) = (pose, 0.0);
-        for (index, (before, motion)) in self.steps.iter().flatten().enumerate() {
-            at = *before * at;
-            let Some((low, high)) = ranges.get(index) else { continue };
+    /// The joints at the middle of a box.
+    fn middle(&self, ranges: &[(f64, f64)]) -> Vec<Placed> {
+        let steps = self.steps.iter().flatten().enumerate();
+        let place = |(index, (before, motion)): (usize, &(Pose, Motion))| {
+            let (low, high) = ranges.get(index).copied().unwrap_or_default();
             let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
             match motion {
                 Motion::Turn { axis, .. } => {
                     let axis = axis.normalize();
-                    // What lies farther out may have moved already, away from the axis.
-                    let by = half * (at.translation.reject_from_normalized(axis).length() + radius + moved);
-                    contribution[index] = contribution[index].max(by);
-                    moved += by;
-                    at = Pose::new(Mat3::from_axis_angle(axis, middle), Vec3::ZERO) * at;
+                    let turn = Pose::new(Mat3::from_axis_angle(axis, middle), Vec3::ZERO);
+                    Placed { before: *before, after: turn, axis: Some(axis), half }
                 }
                 Motion::Slide { axis, .. } => {
-                    contribution[index] = contribution[index].max(half);
-                    moved += half;
-                    at.translation += *axis * middle;
+                    Placed { before: *before, after: Pose::from_translation(*axis * middle), axis: None, half }
                 }
-                Motion::Still => {}
+                Motion::Still => Placed { before: *before, after: Pose::IDENTITY, axis: None, half: 0.0 },
             }
-        }
-        (at, moved)
+        };
+        steps.map(place).collect()
     }
 
-    /// By sphere of `a`: the spheres of `b` that it could meet. Spheres are in the links' chain frames.
-    pub fn could_meet(
-        &self,
-        seats: &[Seat],
-        (link_a, a): (usize, &[Sphere]),
-        (link_b, b): (usize, &[Sphere]),
-        margin: f64,
-    ) -> Vec<Vec<usize>> {
+    /// By sphere of `a`: the spheres of `b` that it could meet. Spheres are in the links' frames.
+    pub fn could_meet(&self, a: &[Sphere], b: &[Sphere], margin: f64) -> Vec<Vec<bool>> {
         let mut meet = vec![vec![false; b.len()]; a.len()];
         let all: Vec<(u16, u16)> = (0..a.len()).flat_map(|i| (0..b.len()).map(move |j| (i as u16, j as u16))).collect();
-        let in_link = |link: usize, s: &Sphere| Sphere { centre: seats[link].frame_from_link.inverse_point(s.centre), radius: s.radius };
-        let a: Vec<Sphere> = a.iter().map(|s| in_link(link_a, s)).collect();
-        let b: Vec<Sphere> = b.iter().map(|s| in_link(link_b, s)).collect();
-        let mut search = Search { relative: self, a: &a, b: &b, margin, meet: &mut meet, boxes: 0, work: 0 };
+        let mut search = Search { relative: self, a, b, margin, meet: &mut meet, boxes: 0 };
         match &self.steps {
             Some(_) => search.divide(&self.ranges.clone(), all),
             None => search.keep(&all),
         }
-        meet.into_iter().map(|row| row.iter().enumerate().filter(|(_, m)| **m).map(|(j, _)| j).collect()).collect()
+        meet
     }
+}
+
+/// A joint at some value: what comes before it, what it does, and how far its value may yet be off.
+struct Placed {
+    before: Pose,
+    after: Pose,
+    /// Of a joint that turns.
+    axis: Option<Vec3>,
+    half: f64,
+}
+
+/// Where a pose of link `b` is, and how far a ball about it could be moved by any other value in
+/// the box; each joint's part in that is noted.
+fn placed(joints: &[Placed], pose: Pose, radius: f64, contribution: &mut [f64]) -> (Pose, f64) {
+    let (mut at, mut moved) = (pose, 0.0);
+    for (index, joint) in joints.iter().enumerate() {
+        at = joint.before * at;
+        // What lies farther out may have moved already, away from the axis.
+        let far = joint.axis.map_or(1.0, |axis| at.translation.reject_from_normalized(axis).length() + radius + moved);
+        if let Some(most) = contribution.get_mut(index) {
+            *most = most.max(joint.half * far);
+        }
+        moved += joint.half * far;
+        at = joint.after * at;
+    }
+    (at, moved)
 }
 
 struct Search<'a> {
@@ -170,7 +179,6 @@ struct Search<'a> {
     margin: f64,
     meet: &'a mut [Vec<bool>],
     boxes: usize,
-    work: usize,
 }
 
 impl Search<'_> {
@@ -182,17 +190,17 @@ impl Search<'_> {
 
     fn divide(&mut self, ranges: &[(f64, f64)], pairs: Vec<(u16, u16)>) {
         self.boxes += 1;
-        self.work += pairs.len();
-        if self.boxes > MOST_BOXES || self.work > MOST_WORK {
+        if self.boxes > MOST_BOXES {
             return self.keep(&pairs);
         }
         // At the middle: each sphere of b seen from a, and how far the box could move it.
         let mut contribution = vec![0.0_f64; ranges.len()];
+        let joints = self.relative.middle(ranges);
         let placed: Vec<(Vec3, f64)> = self
             .b
             .iter()
             .map(|s| {
-                let (at, moved) = self.relative.placed(ranges, Pose::from_translation(s.centre), 0.0, &mut contribution);
+                let (at, moved) = placed(&joints, Pose::from_translation(s.centre), 0.0, &mut contribution);
                 (at.translation, moved)
             })
             .collect();
