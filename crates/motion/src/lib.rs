@@ -4,14 +4,22 @@
 //! [`clearway_collision::World`] at one [`clearway_collision::Moment`].
 
 mod curve;
+mod differences;
+mod law;
+mod pace;
+mod reach;
 mod rrt_connect;
+mod sample;
 mod shortcut;
+mod smooth;
 mod space;
 mod timing;
 
-pub use curve::{Curve, smooth};
+pub use curve::{Corners, Curve};
+pub use differences::slowdowns;
 pub use rrt_connect::{Settings as RrtSettings, connect};
 pub use shortcut::shorten;
+pub use smooth::smooth;
 pub use space::Space;
 pub use timing::{Limits, Timed, time_curve};
 
