@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 
 fn main() {
     let cases: Vec<Value> = serde_json::from_reader(std::io::stdin()).unwrap();
-    let numbers = |value: &Value| -> Posture { value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect() };
+    let numbers =
+        |value: &Value| -> Posture { value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect() };
     let timed = cases.iter().map(|case| {
         let path: Vec<Posture> = case["path"].as_array().unwrap().iter().map(numbers).collect();
         let limits = Limits {
@@ -20,18 +21,16 @@ fn main() {
         };
         let corners = Corners::of(&path);
         let curve = Curve::through(&corners, &corners.widest());
-        let began = std::time::Instant::now();
         let timed = time_curve(&curve, &limits, 0.016);
-        let took = began.elapsed().as_secs_f64();
         let parts = curve.parts();
-        let pieces: Vec<Vec<&[f64]>> = (0..curve.knots().len() - 1).map(|i| curve.piece(i).chunks(curve.joints()).collect()).collect();
+        let pieces: Vec<Vec<&[f64]>> =
+            (0..curve.knots().len() - 1).map(|i| curve.piece(i).chunks(curve.joints()).collect()).collect();
         json!({
             "knots": curve.knots(),
             "pieces": pieces,
             "stops": parts.iter().skip(1).map(|p| p.start).collect::<Vec<_>>(),
             "times": timed.times,
             "rows": timed.positions,
-            "took": took,
         })
     });
     println!("{}", serde_json::to_string(&timed.collect::<Vec<_>>()).unwrap());

@@ -74,13 +74,16 @@ impl Push {
     }
 }
 
-/// The barrier's weight: where it starts, by how much it falls with each step, where it ends.
-const WEIGHT: (f64, f64, f64) = (1.0, 0.5, 2e-3);
+/// By how much the barrier's weight falls with each step.
+const LESS: f64 = 0.5;
 
+/// What a change of a change of pace costs beside the time: keeps x from jumping where a motion is so
+/// slow, near its ends, that no joint's limit would notice.
 const EVEN: f64 = 0.3;
 
-/// The fastest pace found: x at both ends of every step.
-pub fn fastest(motion: &Motion, limits: &Limits, slower: &[f64], from: f64) -> Vec<f64> {
+/// The fastest pace found: x at both ends of every step. `slower`, there: factors by which limits are
+/// to be kept to more strictly than they are, in times. The barrier's weight falls `from` … `to`.
+pub fn fastest(motion: &Motion, limits: &Limits, slower: &[f64], (from, to): (f64, f64)) -> Vec<f64> {
     let n = motion.joints;
     let steps = motion.first.len() / n;
     let pairs = pairs(motion, limits, slower);
@@ -98,7 +101,7 @@ pub fn fastest(motion: &Motion, limits: &Limits, slower: &[f64], from: f64) -> V
     let mut diagonals = vec![[0.0; 3]; steps + 1];
     let unit = slow.sqrt();
     let mut weight = from;
-    while weight > WEIGHT.2 {
+    while weight > to {
         // The time's share, and the caps'.
         for k in 0..=steps {
             let y = 1.0 / x[k];
@@ -154,7 +157,7 @@ pub fn fastest(motion: &Motion, limits: &Limits, slower: &[f64], from: f64) -> V
             }
             far *= 0.6;
         }
-        weight *= WEIGHT.1;
+        weight *= LESS;
     }
     x
 }
@@ -165,7 +168,9 @@ fn within(x: &[f64], before: &[f64], caps: &[f64], pairs: &[Pair], n: usize) -> 
     x.iter().zip(before).zip(caps).all(|((x, b), cap)| *x > 0.2 * b && x < cap)
         && (1..last).all(|k| {
             let root = x[k].sqrt();
-            pairs[(k - 1) * n..k * n].iter().all(|p| p.acceleration.of(x, k).abs() < 1.0 && (p.jerk.of(x, k) * root).abs() < 1.0)
+            pairs[(k - 1) * n..k * n]
+                .iter()
+                .all(|p| p.acceleration.of(x, k).abs() < 1.0 && (p.jerk.of(x, k) * root).abs() < 1.0)
         })
 }
 

@@ -1,9 +1,10 @@
 //! Timing of a curve under velocity, acceleration and jerk limits, from rest to rest.
 //!
-//! First the time-optimal motion without jerk limits ([`crate::reach`]). Its mean over a window of
-//! time has bounded jerk; that motion's clock is then set as fast as all limits allow
-//! ([`crate::pace`]). Rows are sampled evenly; what they still are above a limit (the mean of a
-//! jerk between two nodes, say) the whole motion is slowed down by.
+//! First the time-optimal motion without jerk limits ([`crate::reach`]); if its rows keep to them
+//! nonetheless, that is it. Otherwise its mean over a window of time, which has bounded jerk, is
+//! taken as a spline ([`crate::law`]) and given the fastest pace that all limits allow
+//! ([`crate::pace`]), some rounds of it. Limits are held by the rows themselves ([`crate::sample`]):
+//! what is above one somewhere is slowed down there in the next round, and as a whole in the end.
 
 use crate::law::{Eased, Law, Paced, Spline};
 use crate::pace::{self, Motion};
@@ -64,14 +65,16 @@ fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Ti
     if sudden.slowdown() <= GOOD {
         return sampler.slowed(sudden, &profile);
     }
-    let window = (0..curve.joints()).map(|j| acceleration[j] / limits.jerk[j]).fold(0.0, f64::max).min(profile.duration());
+    // From no acceleration to the largest; no less than rows would show.
+    let longest = (0..curve.joints()).map(|j| acceleration[j] / limits.jerk[j]).fold(0.0, f64::max);
+    let window = longest.max(row).min(profile.duration());
     let eased = Eased { profile: &profile, window };
-    let steps = ((eased.duration() / STEP).ceil() as usize).clamp(FEWEST, MOST);
+    let steps = ((eased.duration() / (STEP * row)).ceil() as usize).clamp(FEWEST, MOST);
     let mut spline = Spline::new(steps, &eased);
     let mut best: Option<(Paced, Sampled)> = None;
     let mut slower = vec![1.0; steps + 1];
-    for weight in ROUNDS {
-        let x = pace::fastest(&motion(&spline, curve, &part), limits, &slower, weight);
+    for weights in ROUNDS {
+        let x = pace::fastest(&motion(&spline, curve, &part), limits, &slower, weights);
         let paced = Paced::new(spline, x);
         let found = sampler.sample(sampler.count(paced.duration()), &paced);
         let good = found.slowdown() < 2.0 * GOOD - 1.0;
@@ -99,11 +102,12 @@ fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Ti
     }
 }
 
-/// The barrier's weight that each round begins with.
-const ROUNDS: [f64; 3] = [1.0, 0.1, 0.1];
+/// The barrier's weight in each round: at first, and at last. After the first round the pace is
+/// nearly right.
+const ROUNDS: [(f64, f64); 3] = [(1.0, 0.002), (0.1, 0.002), (0.1, 0.002)];
 
-/// Steps that the pace is chosen at: how long, how few, how many.
-const STEP: f64 = 0.02;
+/// Steps that the pace is chosen at: how long in rows, how few, how many.
+const STEP: f64 = 1.25;
 const FEWEST: usize = 24;
 const MOST: usize = 256;
 

@@ -2,9 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use clearway_collision::{Moment, Scratch, World};
-use clearway_motion::{
-    Limits, RrtSettings, Space, connect, distance, length, shorten, slowdowns, smooth, time_curve,
-};
+use clearway_motion::{Limits, RrtSettings, Space, connect, distance, length, shorten, slowdowns, smooth, time_curve};
 use clearway_plan::{Budget, ObjectSet};
 use clearway_robot::Robot;
 use clearway_scene::Scene;
@@ -29,7 +27,9 @@ fn paths_are_free_and_timed_within_limits() {
     for _ in 0..60 {
         let goal: Vec<f64> = world.robot.home.iter().map(|h| h + 3.0 * (random.random::<f64>() - 0.5)).collect();
         let start = world.robot.home.clone();
-        let Some(path) = connect(&mut space, &start, &[goal.clone()], &[], &RrtSettings::default(), &mut random, &budget).unwrap() else {
+        let Some(path) =
+            connect(&mut space, &start, &[goal.clone()], &[], &RrtSettings::default(), &mut random, &budget).unwrap()
+        else {
             continue;
         };
         found += 1;

@@ -36,7 +36,14 @@ fn seven_segments(far: f64, v: f64, a: f64, j: f64) -> f64 {
 #[test]
 fn a_straight_line_takes_the_time_of_the_seven_segment_profile() {
     for far in [0.01, 0.05, 0.1, 0.3, 0.7, 1.0, 2.0, 4.0] {
-        for (v, a, j) in [(2.0, 8.0, 80.0), (3.0, 8.0, 80.0), (1.0, 8.0, 40.0), (2.0, 15.0, 7500.0), (0.5, 2.0, 100.0), (50.0, 50.0, 60.0)] {
+        for (v, a, j) in [
+            (2.0, 8.0, 80.0),
+            (3.0, 8.0, 80.0),
+            (1.0, 8.0, 40.0),
+            (2.0, 15.0, 7500.0),
+            (0.5, 2.0, 100.0),
+            (50.0, 50.0, 60.0),
+        ] {
             // Another joint that is slower by half but has half as far to go, and one that stands still.
             let limits = Limits { velocity: vec![v, v, 0.1], acceleration: vec![a, a, 0.1], jerk: vec![j, j, 0.1] };
             let path = [vec![0.3, -1.0, 0.5], vec![0.3 + far, -1.0 - far / 2.0, 0.5]];
@@ -102,7 +109,9 @@ fn path_of(steps: &[(u8, Posture)]) -> Vec<Posture> {
     let mut path = vec![vec![0.1; steps[0].1.len()]];
     let mut last = steps[0].1.clone();
     for (kind, step) in steps {
-        let moved = |from: &Posture, by: &dyn Fn(usize) -> f64| -> Posture { from.iter().enumerate().map(|(j, q)| q + by(j)).collect() };
+        let moved = |from: &Posture, by: &dyn Fn(usize) -> f64| -> Posture {
+            from.iter().enumerate().map(|(j, q)| q + by(j)).collect()
+        };
         let here = path[path.len() - 1].clone();
         match kind {
             0 => path.push(moved(&here, &|j| step[j])),
@@ -121,7 +130,7 @@ fn path_of(steps: &[(u8, Posture)]) -> Vec<Posture> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 128, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn limits_hold_on_any_path(
