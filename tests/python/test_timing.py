@@ -8,15 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
+
 from clearway_cli import Clearway
-from timing_cases import (
-    ROBOTS,
-    Cubics,
-    cases,
-    derivatives,
-    straight_duration,
-    toppra_duration,
-)
+from timing_cases import ROBOTS, Cubics, cases, derivatives, straight_duration, toppra_duration
 
 MOST = 1.15
 """How much longer our motions may take, median."""
@@ -30,8 +25,9 @@ def quiet():
 def timed(problems: list[dict]) -> list[dict]:
     """Curves and rows from `crates/motion/examples/time_curves.rs`, built beside the program."""
     program = Path(os.environ["CLEARWAY_BIN"]).resolve().parent / "examples" / "time_curves"
+    given = json.dumps(problems)
     done = subprocess.run(
-        [program], input=json.dumps(problems), capture_output=True, text=True, check=True, timeout=60
+        [program], input=given, capture_output=True, text=True, check=True, timeout=60
     )
     return json.loads(done.stdout)
 
@@ -73,7 +69,8 @@ def test_a_straight_line_is_as_fast_as_can_be(far):
     best = straight_duration(far, velocity[0], acceleration[0], jerk[0])
     least = toppra_duration(Cubics(found["knots"], found["pieces"]), velocity, acceleration)
     ours = found["times"][-1]
-    print(f"\n{far} rad: {ours:.3f} s, at best {best:.3f} s, toppra {least:.3f} s: {ours / least:.3f}")
+    print(f"\n{far} rad: {ours:.3f} s, at best {best:.3f} s, toppra {least:.3f} s", end="")
+    print(f": {ours / least:.3f}")
     assert 0.97 * best < ours < 1.02 * best
 
 
@@ -98,8 +95,6 @@ def through(rows: np.ndarray) -> Cubics:
         if along[i] - along[keep[-1]] > 0.01 and along[-1] - along[i] > 0.01:
             keep.append(i)
     keep.append(len(rows) - 1)
-    from scipy.interpolate import CubicSpline
-
     spline = CubicSpline(along[keep], rows[keep], bc_type="natural")
     pieces = [spline.c[3], spline.c[2], 2 * spline.c[1], 6 * spline.c[0]]
     return Cubics(spline.x, np.moveaxis(np.array(pieces), 0, 1))
