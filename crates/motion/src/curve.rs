@@ -43,7 +43,7 @@ impl<'a> Corners<'a> {
 
     /// The widest that each corner (one per waypoint, 0 at both ends) may be rounded to either
     /// side: three quarters of the way to the next corner of its size or to the path's end. Equal
-    /// corners equally far apart then add up to an even bend.
+    /// corners equally far apart then add up to an even bend. Farther if that is not noticed.
     pub fn widest(&self) -> Vec<f64> {
         const REACH: f64 = 0.75;
         let n = self.path.len();
@@ -65,9 +65,35 @@ impl<'a> Corners<'a> {
                     }
                     0.0
                 };
-                REACH * reach(&mut (0..i).rev()).min(reach(&mut (i + 1..n)))
+                let apart = reach(&mut (0..i).rev()).min(reach(&mut (i + 1..n)));
+                let end = self.along[i].min(self.along[n - 1] - self.along[i]);
+                (REACH * apart).max(self.unnoticed(i, &sizes).min(REACH * end))
             })
             .collect()
+    }
+
+    /// How wide a corner may be, over its neighbours too, for all of them together to take the curve
+    /// hardly off its path: evens out what is not exact about dense waypoints.
+    fn unnoticed(&self, i: usize, sizes: &[f64]) -> f64 {
+        const OFF: f64 = 1e-4;
+        let (mut low, mut high, mut turn) = (i, i, sizes[i]);
+        loop {
+            let width = OFF / (turn * Trapezoid(1.0).twice(0.0));
+            let (before, after) = (self.along[i] - self.along[low - 1], self.along[high + 1] - self.along[i]);
+            if width <= before.min(after) {
+                return width;
+            }
+            if before < after {
+                low -= 1;
+                turn += sizes[low];
+            } else {
+                high += 1;
+                turn += sizes[high];
+            }
+            if turn.is_infinite() {
+                return before.min(after);
+            }
+        }
     }
 
     /// How far rounding corner `i` to `width` takes the curve off its waypoint: joint by joint.

@@ -112,6 +112,22 @@ impl Paced {
         }
         Self { spline, speeds, times, last: Cell::new(0) }
     }
+
+    /// At a time, best asked in rising order: the step, and dτ/dt.
+    pub fn pace(&self, time: f64) -> (usize, f64) {
+        let i = self.step(time);
+        let part = (time - self.times[i]) / (self.times[i + 1] - self.times[i]);
+        (i, self.speeds[i] + part * (self.speeds[i + 1] - self.speeds[i]))
+    }
+
+    fn step(&self, time: f64) -> usize {
+        let mut i = if self.times[self.last.get()] <= time { self.last.get() } else { 0 };
+        while i + 2 < self.times.len() && self.times[i + 1] <= time {
+            i += 1;
+        }
+        self.last.set(i);
+        i
+    }
 }
 
 impl Law for Paced {
@@ -124,11 +140,7 @@ impl Law for Paced {
     }
 
     fn position(&self, time: f64) -> f64 {
-        let mut i = if self.times[self.last.get()] <= time { self.last.get() } else { 0 };
-        while i + 2 < self.times.len() && self.times[i + 1] <= time {
-            i += 1;
-        }
-        self.last.set(i);
+        let i = self.step(time);
         let t = time - self.times[i];
         let push = (self.speeds[i + 1] - self.speeds[i]) / (self.times[i + 1] - self.times[i]);
         let part = t * (self.speeds[i] + t * push / 2.0) / self.spline.step;

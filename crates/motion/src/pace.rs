@@ -25,6 +25,14 @@ pub struct Motion {
     pub second: Vec<f64>,
 }
 
+/// What is known of the nodes besides their constraints.
+pub struct Bounds {
+    /// Limits have to be kept to as if times were to be stretched by this factor afterwards.
+    pub slower: Vec<f64>,
+    /// The largest x.
+    pub most: Vec<f64>,
+}
+
 /// `|left·x₋ + middle·x + right·x₊| ≤ 1`, times √x for a jerk.
 #[derive(Clone, Copy)]
 struct Linear {
@@ -81,13 +89,12 @@ const LESS: f64 = 0.5;
 /// slow, near its ends, that no joint's limit would notice.
 const EVEN: f64 = 0.3;
 
-/// The fastest pace found: x at both ends of every step. `slower`, there: factors by which limits are
-/// to be kept to more strictly than they are, in times. The barrier's weight falls `from` … `to`.
-pub fn fastest(motion: &Motion, limits: &Limits, slower: &[f64], (from, to): (f64, f64)) -> Vec<f64> {
+/// The fastest pace found: x at both ends of every step. The barrier's weight falls `from` … `to`.
+pub fn fastest(motion: &Motion, limits: &Limits, bounds: &Bounds, (from, to): (f64, f64)) -> Vec<f64> {
     let n = motion.joints;
     let steps = motion.first.len() / n;
-    let pairs = pairs(motion, limits, slower);
-    let caps = caps(motion, limits, slower);
+    let pairs = pairs(motion, limits, &bounds.slower);
+    let caps = caps(motion, limits, bounds);
     // As slow as needed for nothing to be near its limit.
     let mut slow = caps.iter().copied().fold(f64::INFINITY, f64::min);
     for pair in &pairs {
@@ -198,7 +205,7 @@ fn pairs(motion: &Motion, limits: &Limits, slower: &[f64]) -> Vec<Pair> {
 }
 
 /// The largest x at each node: by velocity, and at both ends by jerk.
-fn caps(motion: &Motion, limits: &Limits, slower: &[f64]) -> Vec<f64> {
+fn caps(motion: &Motion, limits: &Limits, bounds: &Bounds) -> Vec<f64> {
     let n = motion.joints;
     let steps = motion.first.len() / n;
     let mut caps: Vec<f64> = vec![1e4; steps + 1];
@@ -215,7 +222,8 @@ fn caps(motion: &Motion, limits: &Limits, slower: &[f64]) -> Vec<f64> {
             caps[end] = caps[end].min((limits.jerk[j] / third.abs()).powf(2.0 / 3.0));
         }
     }
-    caps.iter().zip(slower).map(|(x, c)| x / (c * c)).collect()
+    let slower = caps.iter().zip(&bounds.slower).map(|(x, c)| x / (c * c));
+    slower.zip(&bounds.most).map(|(x, most)| x.min(*most)).collect()
 }
 
 /// Solves a symmetric positive definite system of five diagonals; `rows[k]` holds the entries

@@ -7,7 +7,7 @@
 //! what is above one somewhere is slowed down there in the next round, and as a whole in the end.
 
 use crate::law::{Eased, Law, Paced, Spline};
-use crate::pace::{self, Motion};
+use crate::pace::{self, Bounds, Motion};
 use crate::sample::{Sampled, Sampler};
 use crate::{Curve, Posture, reach};
 use std::ops::Range;
@@ -72,19 +72,13 @@ fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Ti
     let steps = ((eased.duration() / (STEP * row)).ceil() as usize).clamp(FEWEST, MOST);
     let mut spline = Spline::new(steps, &eased);
     let mut best: Option<(Paced, Sampled)> = None;
-    let mut slower = vec![1.0; steps + 1];
+    let mut bounds = Bounds { slower: vec![1.0; steps + 1], most: vec![f64::INFINITY; steps + 1] };
     for weights in ROUNDS {
-        let x = pace::fastest(&motion(&spline, curve, &part), limits, &slower, weights);
+        let x = pace::fastest(&motion(&spline, curve, &part), limits, &bounds, weights);
         let paced = Paced::new(spline, x);
         let found = sampler.sample(sampler.count(paced.duration()), &paced);
         let good = found.slowdown() < 2.0 * GOOD - 1.0;
-        // Slower where rows were above a limit, or the step next to it.
-        let rows = (found.excess.len() - 1) as f64;
-        for (k, slower) in slower.iter_mut().enumerate() {
-            let row = |k: f64| (k / steps as f64).clamp(0.0, 1.0) * rows;
-            let near = row(k as f64 - 1.0) as usize..=row(k as f64 + 1.0).ceil() as usize;
-            *slower *= found.excess[near].iter().copied().fold(1.0, f64::max);
-        }
+        learn(&mut bounds, &found.excess, &paced);
         spline = Spline::new(steps, &paced);
         if best.as_ref().is_none_or(|b| found.slowed_duration() < b.1.slowed_duration()) {
             best = Some((paced, found));
@@ -102,9 +96,28 @@ fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Ti
     }
 }
 
+/// Bounds for the next round, whose nodes are even in this one's time: slower where rows were above a
+/// limit, or the step next to it. A little above comes from looking at nodes only, and is left to
+/// the constraints there; far above is what the nodes do not see, and there the pace itself is held.
+fn learn(bounds: &mut Bounds, excess: &[f64], paced: &Paced) {
+    const LITTLE: f64 = 1.08;
+    let steps = bounds.most.len() - 1;
+    let rows = (excess.len() - 1) as f64;
+    let row = |k: f64| (k / steps as f64).clamp(0.0, 1.0) * rows;
+    let before = std::mem::take(&mut bounds.most);
+    for k in 0..=steps {
+        let at = k as f64;
+        let above = excess[row(at - 1.0) as usize..=row(at + 1.0).ceil() as usize].iter().copied().fold(1.0, f64::max);
+        bounds.slower[k] *= above.min(LITTLE);
+        let (step, speed) = paced.pace(at / steps as f64 * paced.duration());
+        let known = before[step].min(before[step + 1]) / (speed * speed);
+        bounds.most.push(if above > LITTLE { known.min(1.0 / (above * above)) } else { known });
+    }
+}
+
 /// The barrier's weight in each round: at first, and at last. After the first round the pace is
 /// nearly right.
-const ROUNDS: [(f64, f64); 3] = [(1.0, 0.002), (0.1, 0.002), (0.1, 0.002)];
+const ROUNDS: [(f64, f64); 5] = [(1.0, 0.002), (0.1, 0.002), (0.1, 0.002), (0.1, 0.002), (0.1, 0.002)];
 
 /// Steps that the pace is chosen at: how long in rows, how few, how many.
 const STEP: f64 = 1.25;
