@@ -15,6 +15,9 @@ from timing_cases import ROBOTS, Cubics, cases, derivatives, straight_duration, 
 
 MOST = 1.15
 """How much longer our motions may take, median."""
+MOST_IN_CLUTTER = 1.3
+"""The same for whole motions of plans. Tight corners among the clutter must be taken slowly for the
+sake of jerk; toppra may change its acceleration there at once."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -116,4 +119,4 @@ def test_motions_of_plans(clearway: Clearway, tmp_path: Path):
         for times, rows in motions(plan):
             ratios.append(times[-1] / toppra_duration(through(rows), velocity, acceleration, 1000))
     tell("plans", ratios)
-    assert np.median(ratios) <= MOST
+    assert np.median(ratios) <= MOST_IN_CLUTTER
