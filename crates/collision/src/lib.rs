@@ -10,11 +10,13 @@
 //! what the hand holds. Removing an object from the moment's set rebuilds nothing.
 
 mod directions;
+pub mod lanes;
 mod moment;
 mod obstacle;
 mod pairs;
 mod probe;
 mod query;
+mod quick;
 mod report;
 mod world;
 
@@ -23,5 +25,6 @@ pub use obstacle::Obstacle;
 pub use pairs::unchecked_pairs;
 pub use probe::{Probe, Slack};
 pub use query::{Scratch, Touch};
+pub use quick::Quick;
 pub use report::Contact;
 pub use world::World;

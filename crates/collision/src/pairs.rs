@@ -6,6 +6,7 @@
 //! higher, so that another draw does not fall on the other side.
 
 use clearway_geometry::{Pose, distance::closer_than};
+use clearway_robot::group::adjacent;
 use clearway_robot::{Kinematics, Robot};
 use std::f64::consts::PI;
 
@@ -20,7 +21,7 @@ pub fn checked_pairs(robot: &Robot, kinematics: &Kinematics) -> (Vec<(usize, usi
     for (n, &a) in shaped.iter().enumerate() {
         for &b in &shaped[n + 1..] {
             let hand = robot.hand.links.contains(&a) && robot.hand.links.contains(&b);
-            if hand || adjacent(robot, a, b) {
+            if hand || adjacent(&robot.links, &robot.joints, a, b) {
                 unchecked.push((a, b));
             } else {
                 candidates.push((a, b));
@@ -66,19 +67,4 @@ fn overlap(robot: &Robot, frames: &[Pose], a: usize, b: usize) -> bool {
             .iter()
             .any(|(pb, cb)| closer_than(ca, &(frames[a] * *pa), cb, &(frames[b] * *pb), 1e-6))
     })
-}
-
-/// Whether one of the links is the other's next shaped ancestor.
-fn adjacent(robot: &Robot, a: usize, b: usize) -> bool {
-    let above = |link: usize| {
-        let mut at = link;
-        while let Some(joint) = robot.links[at].parent_joint {
-            at = robot.joints[joint].parent;
-            if !robot.links[at].collision.parts.is_empty() {
-                return Some(at);
-            }
-        }
-        None
-    };
-    above(a) == Some(b) || above(b) == Some(a)
 }

@@ -68,6 +68,15 @@ impl World {
 
     /// Probes a posture; with `slack`, also what lies around it.
     pub fn probe(&self, posture: &[f64], moment: &Moment, slack: Option<&Slack>, scratch: &mut Scratch) -> Probe {
+        self.probe_some(posture, moment, slack, true, scratch)
+    }
+
+    /// The same for what is held alone: whether it leans too far or meets anything, links included.
+    pub fn probe_held(&self, posture: &[f64], moment: &Moment, slack: Option<&Slack>, scratch: &mut Scratch) -> Probe {
+        self.probe_some(posture, moment, slack, false, scratch)
+    }
+
+    fn probe_some(&self, posture: &[f64], moment: &Moment, slack: Option<&Slack>, links: bool, scratch: &mut Scratch) -> Probe {
         scratch.checked += 1;
         self.place_links(posture, moment.hand, scratch);
         let Scratch { frames, centres, directions, .. } = scratch;
@@ -106,6 +115,9 @@ impl World {
                     });
                 }
             }
+        }
+        if !links {
+            return if around.is_some() { Probe::Around } else { Probe::Here };
         }
         for (index, link) in self.links.iter().enumerate().rev() {
             let Some(link) = link.as_ref().filter(|l| !l.still) else { continue };

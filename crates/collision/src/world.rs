@@ -1,9 +1,11 @@
 //! The robot, the fixtures and the objects, made ready for collision checks.
 
+use crate::lanes::{Body, Kernel, Relative, Settings as BodySettings};
 use crate::obstacle::{MovingPart, Obstacle};
+use crate::query::SELF_MARGIN;
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
 use clearway_plan::{ObjectId, ObjectSet};
-use clearway_robot::{JointKind, Kinematics, Robot, Sphere, bounding_sphere, cover};
+use clearway_robot::{Group, JointKind, Kinematics, Robot, Sphere, bounding_sphere, cover};
 use clearway_scene::{Scene, Support};
 use std::sync::Arc;
 
@@ -48,10 +50,20 @@ pub struct World {
     pub link_reach: Vec<Vec<f64>>,
     /// The same for the tool's frame alone.
     pub tool_reach: Vec<f64>,
+    /// The robot's joints as a group, and its links covered by spheres, for quick answers.
+    pub group: Group,
+    pub kernel: Kernel,
+    /// By link: fixtures that it never touches, whatever the posture.
+    pub apart: Vec<Vec<usize>>,
 }
 
 /// A hull of more corners than this is asked only where spheres that cover it are near.
 const COSTLY: usize = 24;
+/// Links moved by no more joints than this are checked for fixtures that they never touch …
+const MOVED_BY_FEW: u32 = 2;
+/// … of no more parts than this, with at least this much room, metres: more than any margin asked.
+const MOST_PROVED: usize = 16;
+const NEVER_MARGIN: f64 = 0.003;
 /// Parts of one link have neighbouring tags; tags only choose slots, so more parts do no harm.
 const TAGS_PER_LINK: usize = 16;
 
@@ -69,6 +81,10 @@ pub fn moving_parts(solid: &Solid, tag: usize) -> Vec<MovingPart> {
 /// Width of the cells that links are covered with, metres: hand finely, arm coarsely.
 const ARM_CELL: f64 = 0.08;
 const HAND_CELL: f64 = 0.03;
+/// The same for the kernel's spheres, which stand for the link.
+const KERNEL_ARM_CELL: f64 = 0.04;
+const KERNEL_HAND_CELL: f64 = 0.015;
+
 impl World {
     pub fn new(robot: Arc<Robot>, scene: &Scene) -> Self {
         let kinematics = Kinematics::new(&robot);
@@ -96,7 +112,12 @@ impl World {
             .map(|l| reach(&robot, &kinematics, l, links[l].as_ref().map_or(0.0, |b| b.bound.centre.length() + b.bound.radius)))
             .collect();
         let tool_reach = reach(&robot, &kinematics, robot.hand.frame, 0.0);
+        let group = Group::from(&*robot);
+        let kernel = kernel(&robot, &group, &pairs);
         let mut world = Self {
+            group,
+            kernel,
+            apart: Vec::new(),
             robot,
             kinematics,
             world_from_root,
@@ -125,6 +146,8 @@ impl World {
             Obstacle::new(solid, &(self.root_from_world * *pose), tag)
         };
         self.fixtures = scene.fixtures.iter().map(|f| place(&f.solid, &f.pose)).collect();
+        let near = |link: usize| (1..=MOVED_BY_FEW).contains(&self.kinematics.moved_by[link].count_ones());
+        self.apart = (0..self.links.len()).map(|link| if near(link) { self.never_touched(link) } else { Vec::new() }).collect();
         self.objects = scene.objects.iter().map(|o| place(&o.solid, &o.pose)).collect();
         self.solids = scene.objects.iter().map(|o| o.solid.clone()).collect();
         let tag = self.links.len() * TAGS_PER_LINK;
@@ -138,6 +161,17 @@ impl World {
             }
         }
         self.poses = scene.objects.iter().map(|o| self.root_from_world * o.pose).collect();
+    }
+
+    /// The fixtures that keep clear of a link in all postures, by proof.
+    fn never_touched(&self, link: usize) -> Vec<usize> {
+        let relative = Relative::new(&self.group, 0, link);
+        let own = &self.robot.links[link].collision;
+        let clear = |f: &Obstacle| {
+            let solid = Solid { parts: f.parts.iter().map(|p| (p.root_from_part, p.convex.clone())).collect() };
+            f.parts.len() <= MOST_PROVED && relative.always_apart(&solid, own, NEVER_MARGIN)
+        };
+        (0..self.fixtures.len()).filter(|&i| clear(&self.fixtures[i])).collect()
     }
 
     /// An object placed somewhere else, `root_from_object`.
@@ -182,6 +216,20 @@ impl World {
     pub fn up(&self) -> Vec3 {
         self.root_from_world.rotation * Vec3::Z
     }
+}
+
+/// The links' spheres, made ready for the kernel.
+fn kernel(robot: &Robot, group: &Group, pairs: &[(usize, usize)]) -> Kernel {
+    let width = |link: usize| if robot.hand.links.contains(&link) { KERNEL_HAND_CELL } else { KERNEL_ARM_CELL };
+    let spheres: Vec<Vec<Sphere>> = robot.links.iter().enumerate().map(|(i, l)| cover(&l.collision, width(i))).collect();
+    let links = robot.links.len();
+    let all = (0..links).flat_map(|a| (a + 1..links).map(move |b| (a, b)));
+    let apart = |a: usize, b: usize| {
+        Relative::new(group, a, b).always_apart(&robot.links[a].collision, &robot.links[b].collision, SELF_MARGIN)
+    };
+    let unchecked = all.filter(|&(a, b)| !pairs.contains(&(a, b)) || apart(a, b)).collect();
+    let settings = BodySettings { self_margin: SELF_MARGIN, ..BodySettings::default() };
+    Kernel::new(Body::new(group, &spheres, unchecked, &settings))
 }
 
 /// For each arm joint that moves `link`: the chain's lengths from the joint to the link, added up,

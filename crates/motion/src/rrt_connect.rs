@@ -1,25 +1,25 @@
-//! RRT-Connect (Kuffner and LaValle 2000): two trees that grow towards each other.
-//!
-//! Trees stay small (tens of nodes on most problems), so the nearest node is found by a flat scan.
+//! RRT-Connect (Kuffner and LaValle 2000): two trees that grow towards each other, with dynamic
+//! domains (Yershova et al. 2005) so that samples behind an obstacle are not tried again and again.
 
-use crate::{Path, Posture, Space, distance};
+use crate::sampler::Sampler;
+use crate::tree::Tree;
+use crate::{MotionValidator, Path, Posture};
 use clearway_plan::{Budget, Stop};
-use rand::{Rng, RngExt};
 
 /// How the trees grow.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Longest new line, radians in joint space.
+    /// Longest new motion, radians in joint space.
     pub range: f64,
     /// Samples drawn before giving up.
     pub iterations: usize,
-    /// Part of the samples drawn near start and goals rather than from all postures.
-    pub near: f64,
+    /// Once a motion from a node failed, samples farther from it than this, in ranges, are passed over.
+    pub domain: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { range: 0.8, iterations: 600, near: 0.75 }
+        Self { range: 0.8, iterations: 600, domain: 4.0 }
     }
 }
 
@@ -28,162 +28,121 @@ impl Settings {
         if !(self.range > 0.0) {
             return Err(format!("range is {}, must be positive", self.range));
         }
-        if !(0.0..=1.0).contains(&self.near) {
-            return Err(format!("near is {}, must lie in 0..=1", self.near));
+        if !(self.domain >= 1.0) {
+            return Err(format!("domain is {}, must be at least 1", self.domain));
         }
         Ok(())
     }
 }
 
-/// Part of the samples taken from guides, where there are any.
-const GUIDED: f64 = 0.8;
+/// By how much a node's domain changes when a motion from it passes or fails.
+const DOMAIN_CHANGE: f64 = 1e-4;
 
-struct Tree {
-    nodes: Vec<Posture>,
-    parents: Vec<usize>,
+/// Room for the trees; reuse it to allocate nothing but the answer.
+#[derive(Clone, Debug, Default)]
+pub struct Trees {
+    from_start: Tree,
+    from_goal: Tree,
+    sample: Posture,
+    new: Posture,
+    target: Posture,
 }
 
-impl Tree {
-    fn rooted(roots: &[Posture]) -> Self {
-        Self { nodes: roots.to_vec(), parents: (0..roots.len()).collect() }
-    }
-
-    fn nearest(&self, q: &[f64]) -> usize {
-        let mut best = (0, f64::INFINITY);
-        for (i, node) in self.nodes.iter().enumerate() {
-            let d = node.iter().zip(q).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
-            if d < best.1 {
-                best = (i, d);
-            }
-        }
-        best.0
-    }
-
-    fn add(&mut self, q: Posture, parent: usize) -> usize {
-        self.nodes.push(q);
-        self.parents.push(parent);
-        self.nodes.len() - 1
-    }
-
-    /// From the root to `node`.
-    fn branch(&self, mut node: usize) -> Path {
-        let mut path = vec![self.nodes[node].clone()];
-        while self.parents[node] != node {
-            node = self.parents[node];
-            path.push(self.nodes[node].clone());
-        }
-        path.reverse();
-        path
-    }
-}
-
-/// A path from `start` to one of `goals`, or `None` when the iterations run out. Postures that
-/// are not free are left out; a straight line is tried first. `guides`: postures that are likely
-/// to be of use; most samples are then taken from them.
-#[allow(clippy::too_many_arguments)]
+/// A path from `start` to one of `goals`, or `None` when the iterations run out. Ends that are not
+/// free are left out; straight lines are tried first.
 pub fn connect(
-    space: &mut Space,
-    start: &Posture,
+    validator: &mut impl MotionValidator,
+    start: &[f64],
     goals: &[Posture],
-    guides: &[Posture],
+    sampler: &mut impl Sampler,
     settings: &Settings,
-    random: &mut impl Rng,
+    trees: &mut Trees,
     budget: &Budget,
 ) -> Result<Option<Path>, Stop> {
-    let goals: Vec<Posture> = goals.iter().filter(|g| space.free(g)).cloned().collect();
-    if goals.is_empty() || !space.free(start) {
+    let joints = start.len();
+    let Trees { from_start, from_goal, sample, new, target } = trees;
+    from_start.clear(joints);
+    from_goal.clear(joints);
+    for room in [&mut *sample, new, target] {
+        room.clear();
+        room.resize(joints, 0.0);
+    }
+    if !validator.state_free(start) {
         return Ok(None);
     }
-    for goal in &goals {
-        if space.line_free(start, goal) {
-            return Ok(Some(vec![start.clone(), goal.clone()]));
+    for goal in goals {
+        if validator.state_free(goal) {
+            if validator.motion_free(start, goal) {
+                return Ok(Some(vec![start.to_vec(), goal.clone()]));
+            }
+            from_goal.add(goal, None);
         }
     }
-    let (low, high) = neighbourhood(space, start, &goals);
-    let mut from_start = Tree::rooted(std::slice::from_ref(start));
-    let mut from_goal = Tree::rooted(&goals);
+    if from_goal.len() == 0 {
+        return Ok(None);
+    }
+    from_start.add(start, None);
     let mut forward = true;
-    for _ in 0..settings.iterations {
-        budget.check()?;
-        let guided = !guides.is_empty() && random.random::<f64>() < GUIDED;
-        let near = random.random::<f64>() < settings.near;
-        let sample: Posture = if guided {
-            guides[random.random_range(0..guides.len())].clone()
-        } else {
-            (0..start.len())
-            .map(|j| {
-                let (l, u) = if near { (low[j], high[j]) } else { range(space, j) };
-                l + (u - l) * random.random::<f64>()
-            })
-            .collect()
-        };
-        let (tree, other) = if forward { (&mut from_start, &mut from_goal) } else { (&mut from_goal, &mut from_start) };
-        if let Some(new) = extend(space, tree, &sample, settings.range) {
-            let target = tree.nodes[new].clone();
-            if let Some(met) = reach(space, other, &target, settings.range) {
-                let (mut path, mut rest) = (tree.branch(new), other.branch(met));
-                rest.pop();
-                rest.reverse();
-                path.extend(rest);
-                if !forward {
-                    path.reverse();
-                }
-                return Ok(Some(path));
+    for iteration in 0..settings.iterations {
+        if iteration % 16 == 0 {
+            budget.check()?;
+        }
+        sampler.sample(sample);
+        let (tree, other) = if forward { (&mut *from_start, &mut *from_goal) } else { (&mut *from_goal, &mut *from_start) };
+        let (nearest, distance) = tree.nearest(sample);
+        if distance > tree.domains[nearest] || distance == 0.0 {
+            continue;
+        }
+        step(tree.node(nearest), sample, settings.range / distance, new);
+        if !validator.motion_free(tree.node(nearest), new) {
+            let domain = &mut tree.domains[nearest];
+            *domain = if domain.is_finite() {
+                (*domain * (1.0 - DOMAIN_CHANGE)).max(settings.range)
+            } else {
+                settings.domain * settings.range
+            };
+            continue;
+        }
+        tree.domains[nearest] *= 1.0 + DOMAIN_CHANGE;
+        let added = tree.add(new, Some(nearest));
+        target.copy_from_slice(new);
+        if let Some(met) = reach(validator, other, target, settings.range, new) {
+            let (mut path, mut rest) = (tree.branch(added), other.branch(met));
+            rest.pop();
+            rest.reverse();
+            path.extend(rest);
+            if !forward {
+                path.reverse();
             }
+            return Ok(Some(path));
         }
         // The smaller tree grows next.
-        forward = from_start.nodes.len() <= from_goal.nodes.len();
+        forward = from_start.len() <= from_goal.len();
     }
     Ok(None)
 }
 
-/// A box round start and goals, wider by a radian and a half, within the limits.
-fn neighbourhood(space: &Space, start: &Posture, goals: &[Posture]) -> (Posture, Posture) {
-    const WIDER: f64 = 1.5;
-    let ends = || goals.iter().chain(std::iter::once(start));
-    (0..start.len())
-        .map(|j| {
-            let low = ends().map(|q| q[j]).fold(f64::INFINITY, f64::min) - WIDER;
-            let high = ends().map(|q| q[j]).fold(f64::NEG_INFINITY, f64::max) + WIDER;
-            (low.max(space.lower()[j]), high.min(space.upper()[j]))
-        })
-        .unzip()
-}
-
-fn range(space: &Space, joint: usize) -> (f64, f64) {
-    let pi = std::f64::consts::PI;
-    let (l, u) = (space.lower()[joint], space.upper()[joint]);
-    (if l.is_finite() { l } else { -pi }, if u.is_finite() { u } else { pi })
-}
-
-/// One step from the tree towards `sample`.
-fn extend(space: &mut Space, tree: &mut Tree, sample: &[f64], range: f64) -> Option<usize> {
-    let nearest = tree.nearest(sample);
-    let from = tree.nodes[nearest].clone();
-    let to = step(&from, sample, range);
-    space.line_free(&from, &to).then(|| tree.add(to, nearest))
-}
-
-/// Steps from the tree towards `target` until it is reached.
-fn reach(space: &mut Space, tree: &mut Tree, target: &[f64], range: f64) -> Option<usize> {
-    let mut at = tree.nearest(target);
-    loop {
-        let from = tree.nodes[at].clone();
-        if distance(&from, target) < 1e-12 {
-            return Some(at);
-        }
-        let to = step(&from, target, range);
-        if !space.line_free(&from, &to) {
+/// Steps of equal length from the tree's nearest node towards `target` until it is reached.
+fn reach(validator: &mut impl MotionValidator, tree: &mut Tree, target: &[f64], range: f64, new: &mut [f64]) -> Option<usize> {
+    let (mut at, distance) = tree.nearest(target);
+    let steps = (distance / range).ceil().max(1.0) as usize;
+    for left in (1..=steps).rev() {
+        step(tree.node(at), target, 1.0 / left as f64, new);
+        if !validator.motion_free(tree.node(at), new) {
             return None;
         }
-        at = tree.add(to, at);
+        at = tree.add(new, Some(at));
     }
+    Some(at)
 }
 
-fn step(from: &[f64], to: &[f64], range: f64) -> Posture {
-    let d = distance(from, to);
-    if d <= range {
-        return to.to_vec();
+/// `to`, or the point `part` of the way there, where that is less.
+fn step(from: &[f64], to: &[f64], part: f64, out: &mut [f64]) {
+    if part >= 1.0 {
+        out.copy_from_slice(to);
+        return;
     }
-    from.iter().zip(to).map(|(a, b)| a + (b - a) * range / d).collect()
+    for ((out, a), b) in out.iter_mut().zip(from).zip(to) {
+        *out = a + (b - a) * part;
+    }
 }

@@ -1,12 +1,12 @@
 //! Shortcuts: the same path with fewer corners and less way.
 
-use crate::{Path, Posture, Space, distance, length};
+use crate::{MotionValidator, Path, Posture, distance, length};
 use clearway_plan::{Budget, Stop};
 use rand::{Rng, RngExt};
 
 /// Shortens a free path: first by leaving out corners, then by `attempts` random cuts between
 /// points on its lines. The ends stay. The result is free where the input was.
-pub fn shorten(space: &mut Space, path: Path, attempts: usize, random: &mut impl Rng, budget: &Budget) -> Result<Path, Stop> {
+pub fn shorten(space: &mut impl MotionValidator, path: Path, attempts: usize, random: &mut impl Rng, budget: &Budget) -> Result<Path, Stop> {
     let mut path = leave_out(space, path, budget)?;
     for _ in 0..attempts {
         budget.check()?;
@@ -24,7 +24,7 @@ pub fn shorten(space: &mut Space, path: Path, attempts: usize, random: &mut impl
         }
         let kept: f64 = distance(&p, &path[i + 1]) + length(&path[i + 1..=j]) + distance(&path[j], &q);
         // A cut that saves next to nothing is not worth its checks.
-        if distance(&p, &q) > 0.98 * kept || !space.free(&p) || !space.line_free(&p, &q) {
+        if distance(&p, &q) > 0.98 * kept || !space.state_free(&p) || !space.motion_free(&p, &q) {
             continue;
         }
         let mut shorter: Path = path[..=i].to_vec();
@@ -38,13 +38,13 @@ pub fn shorten(space: &mut Space, path: Path, attempts: usize, random: &mut impl
 }
 
 /// Leaves out corners where the straight line past them is free, farthest first.
-fn leave_out(space: &mut Space, path: Path, budget: &Budget) -> Result<Path, Stop> {
+fn leave_out(space: &mut impl MotionValidator, path: Path, budget: &Budget) -> Result<Path, Stop> {
     let Some(first) = path.first() else { return Ok(path) };
     let mut short = vec![first.clone()];
     let mut at = 0;
     while at + 1 < path.len() {
         budget.check()?;
-        let next = (at + 2..path.len()).rev().find(|&j| space.line_free(&path[at], &path[j])).unwrap_or(at + 1);
+        let next = (at + 2..path.len()).rev().find(|&j| space.motion_free(&path[at], &path[j])).unwrap_or(at + 1);
         short.push(path[next].clone());
         at = next;
     }

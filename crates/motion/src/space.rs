@@ -1,7 +1,7 @@
 //! The arm's postures at one moment: which are free, which motions are.
 
-use crate::Posture;
-use clearway_collision::{Moment, Probe, Scratch, Slack, Touch, World};
+use crate::{MotionValidator, Posture};
+use clearway_collision::{Moment, Probe, Quick, Scratch, Slack, Touch, World};
 use clearway_plan::ObjectSet;
 use std::collections::VecDeque;
 
@@ -14,19 +14,29 @@ pub struct Space<'a> {
     scratch: Scratch,
     slack: Slack,
     queue: VecDeque<(f64, f64)>,
+    /// Asked first where there is one: what it calls free is free.
+    quick: Option<Quick<'a>>,
 }
+
+/// What is looked at exactly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Whole {
+    All,
+    /// What is held, and nothing else.
+    Held,
+}
+
+/// Samples per radian that quick answers are asked with.
+const PER_RADIAN: f64 = 32.0;
 
 impl<'a> Space<'a> {
     pub fn new(world: &'a World, moment: &'a Moment, step: f64) -> Self {
-        Self { world, moment, step, scratch: Scratch::default(), slack: Slack::default(), queue: VecDeque::new() }
+        Self { world, moment, step, scratch: Scratch::default(), slack: Slack::default(), queue: VecDeque::new(), quick: None }
     }
 
-    pub fn lower(&self) -> &[f64] {
-        &self.world.robot.lower
-    }
-
-    pub fn upper(&self) -> &[f64] {
-        &self.world.robot.upper
+    /// The same, with the kernel asked first; worth its making for more than a few motions.
+    pub fn quick(world: &'a World, moment: &'a Moment, step: f64) -> Self {
+        Self { quick: Some(Quick::new(world, moment)), ..Self::new(world, moment, step) }
     }
 
     /// How many postures were checked so far.
@@ -53,7 +63,18 @@ impl<'a> Space<'a> {
 
     /// Whether the straight line is free, both ends included; `a` is taken to be free already.
     pub fn line_free(&mut self, a: &[f64], b: &[f64]) -> bool {
-        if !self.free(b) {
+        self.surely_free(a, b) || self.line_free_exactly(a, b, Whole::All)
+    }
+
+    /// Whether the kernel calls the straight line free for the links, and the exact shapes for what
+    /// is held; never without a kernel.
+    fn surely_free(&mut self, a: &[f64], b: &[f64]) -> bool {
+        self.quick.as_mut().is_some_and(|q| q.motion_free(a, b, PER_RADIAN))
+            && (self.moment.held.is_none() || self.line_free_exactly(a, b, Whole::Held))
+    }
+
+    fn line_free_exactly(&mut self, a: &[f64], b: &[f64], whole: Whole) -> bool {
+        if self.look(b, None, whole) == Probe::Hit {
             return false;
         }
         let along = |t: f64, q: &mut Posture| {
@@ -64,13 +85,42 @@ impl<'a> Space<'a> {
             d.clear();
             d.extend(a.iter().zip(b).map(|(a, b)| (b - a).abs() * (to - from)));
         };
-        self.between_free(0.0, 1.0, along, moved)
+        self.between_free(0.0, 1.0, whole, along, moved)
+    }
+
+    fn look(&mut self, q: &[f64], slack: Option<&Slack>, whole: Whole) -> Probe {
+        match whole {
+            Whole::All => self.world.probe(q, self.moment, slack, &mut self.scratch),
+            Whole::Held => self.world.probe_held(q, self.moment, slack, &mut self.scratch),
+        }
     }
 
     /// Whether rows with straight lines between them are free, the first included.
     pub fn rows_free(&mut self, rows: &[Posture]) -> bool {
+        let Some(quick) = self.quick.as_mut().filter(|_| rows.len() > 1) else { return self.rows_free_exactly(rows, Whole::All) };
+        let mut unsure: Vec<(usize, usize)> = Vec::new();
+        quick.rows_free(rows, |from, to| match unsure.last_mut() {
+            Some(last) if last.1 == from => last.1 = to,
+            _ => unsure.push((from, to)),
+        });
+        if unsure.iter().any(|&(from, to)| !self.rows_free_exactly(&rows[from..=to], Whole::All)) {
+            return false;
+        }
+        if self.moment.held.is_none() {
+            return true;
+        }
+        // In between, only what is held has not been looked at.
+        let mut from = 0;
+        unsure.push((rows.len() - 1, rows.len() - 1));
+        unsure.iter().all(|&(start, end)| {
+            let sure = std::mem::replace(&mut from, end);
+            self.rows_free_exactly(&rows[sure..=start], Whole::Held)
+        })
+    }
+
+    fn rows_free_exactly(&mut self, rows: &[Posture], whole: Whole) -> bool {
         let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return true };
-        if !self.free(first) || !self.free(last) {
+        if self.look(first, None, whole) == Probe::Hit || self.look(last, None, whole) == Probe::Hit {
             return false;
         }
         // By row and joint: how much the joint has moved since the first row, back and forth.
@@ -94,7 +144,7 @@ impl<'a> Space<'a> {
             at(&travel, from, &mut start);
             d.iter_mut().zip(&start).for_each(|(d, s)| *d -= s);
         };
-        self.between_free(0.0, (rows.len() - 1) as f64, |t, q| at(rows, t, q), moved)
+        self.between_free(0.0, (rows.len() - 1) as f64, whole, |t, q| at(rows, t, q), moved)
     }
 
     /// Whether the open interval of a motion is free: halves it, coarse first, until every part is
@@ -104,6 +154,7 @@ impl<'a> Space<'a> {
         &mut self,
         from: f64,
         to: f64,
+        whole: Whole,
         along: impl Fn(f64, &mut Posture),
         mut moved: impl FnMut(f64, f64, &mut Posture),
     ) -> bool {
@@ -122,7 +173,10 @@ impl<'a> Space<'a> {
                 continue;
             }
             along(middle, &mut q);
-            match self.world.probe(&q, self.moment, Some(&self.slack), &mut self.scratch) {
+            let slack = std::mem::take(&mut self.slack);
+            let found = self.look(&q, Some(&slack), whole);
+            self.slack = slack;
+            match found {
                 Probe::Hit => return false,
                 Probe::Around => {}
                 Probe::Here => self.queue.extend([(a, middle), (middle, b)]),
@@ -146,5 +200,45 @@ impl<'a> Space<'a> {
             }
         }
         Some(all)
+    }
+}
+
+impl MotionValidator for Space<'_> {
+    fn lower(&self) -> &[f64] {
+        &self.world.robot.lower
+    }
+
+    fn upper(&self) -> &[f64] {
+        &self.world.robot.upper
+    }
+
+    fn state_free(&mut self, q: &[f64]) -> bool {
+        self.free(q)
+    }
+
+    fn motion_free(&mut self, a: &[f64], b: &[f64]) -> bool {
+        self.line_free(a, b)
+    }
+}
+
+/// A [`Space`] in which links are free only where the kernel says so: quick, and a little tight.
+pub struct Surely<'s, 'a>(pub &'s mut Space<'a>);
+
+impl MotionValidator for Surely<'_, '_> {
+    fn lower(&self) -> &[f64] {
+        &self.0.world.robot.lower
+    }
+
+    fn upper(&self) -> &[f64] {
+        &self.0.world.robot.upper
+    }
+
+    fn state_free(&mut self, q: &[f64]) -> bool {
+        let held = self.0.moment.held.is_some();
+        self.0.quick.as_mut().is_some_and(|k| k.free(q)) && (!held || self.0.look(q, None, Whole::Held) != Probe::Hit)
+    }
+
+    fn motion_free(&mut self, a: &[f64], b: &[f64]) -> bool {
+        self.0.surely_free(a, b)
     }
 }

@@ -3,12 +3,12 @@
 //! First the time-optimal motion without jerk limits ([`crate::reach`]); if its rows keep to them
 //! nonetheless, that is it. Otherwise its mean over a window of time, which has bounded jerk, is
 //! taken as a spline ([`crate::law`]) and given the fastest pace that all limits allow
-//! ([`crate::pace`]), some rounds of it. Limits are held by the rows themselves ([`crate::sample`]):
+//! ([`crate::pace`]), some rounds of it. Limits are held by the rows themselves ([`crate::rows`]):
 //! what is above one somewhere is slowed down there in the next round, and as a whole in the end.
 
 use crate::law::{Eased, Law, Paced, Spline};
 use crate::pace::{self, Bounds, Motion};
-use crate::sample::{Sampled, Sampler};
+use crate::rows::{RowMaker, Sampled};
 use crate::{Curve, Posture, reach};
 use std::ops::Range;
 
@@ -60,10 +60,10 @@ const GOOD: f64 = 1.002;
 fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Timed {
     let acceleration = useful_acceleration(curve, part.clone(), limits);
     let profile = reach::fastest(curve, part.clone(), &limits.velocity, &acceleration);
-    let sampler = Sampler { curve, part: part.clone(), limits, row };
-    let sudden = sampler.sample(sampler.count(profile.duration()), &profile);
+    let maker = RowMaker { curve, part: part.clone(), limits, row };
+    let sudden = maker.sample(maker.count(profile.duration()), &profile);
     if sudden.slowdown() <= GOOD {
-        return sampler.slowed(sudden, &profile);
+        return maker.slowed(sudden, &profile);
     }
     // From no acceleration to the largest; no less than rows would show.
     let longest = (0..curve.joints()).map(|j| acceleration[j] / limits.jerk[j]).fold(0.0, f64::max);
@@ -76,7 +76,7 @@ fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Ti
     for weights in ROUNDS {
         let x = pace::fastest(&motion(&spline, curve, &part), limits, &bounds, weights);
         let paced = Paced::new(spline, x);
-        let found = sampler.sample(sampler.count(paced.duration()), &paced);
+        let found = maker.sample(maker.count(paced.duration()), &paced);
         let good = found.slowdown() < 2.0 * GOOD - 1.0;
         learn(&mut bounds, &found.excess, &paced);
         spline = Spline::new(steps, &paced);
@@ -87,12 +87,12 @@ fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Ti
             break;
         }
     }
-    let plain = sampler.sample(sampler.count(eased.duration()), &eased);
+    let plain = maker.sample(maker.count(eased.duration()), &eased);
     let limit = sudden.slowed_duration().min(plain.slowed_duration());
     match best {
-        Some((paced, found)) if found.slowed_duration() <= limit => sampler.slowed(found, &paced),
-        _ if plain.slowed_duration() <= sudden.slowed_duration() => sampler.slowed(plain, &eased),
-        _ => sampler.slowed(sudden, &profile),
+        Some((paced, found)) if found.slowed_duration() <= limit => maker.slowed(found, &paced),
+        _ if plain.slowed_duration() <= sudden.slowed_duration() => maker.slowed(plain, &eased),
+        _ => maker.slowed(sudden, &profile),
     }
 }
 

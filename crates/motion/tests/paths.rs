@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use clearway_collision::{Moment, Scratch, World};
-use clearway_motion::{Limits, RrtSettings, Space, connect, distance, length, shorten, slowdowns, smooth, time_curve};
+use clearway_motion::{
+    Halton, Limits, RrtSettings, Space, Trees, connect, distance, length, shorten, slowdowns, smooth, time_curve,
+};
 use clearway_plan::{Budget, ObjectSet};
 use clearway_robot::Robot;
 use clearway_scene::Scene;
@@ -23,12 +25,15 @@ fn paths_are_free_and_timed_within_limits() {
     let limits =
         Limits { velocity: robot.velocity.clone(), acceleration: robot.acceleration.clone(), jerk: robot.jerk.clone() };
     let budget = Budget::unlimited();
+    let mut trees = Trees::default();
     let (mut found, mut bent) = (0, 0);
     for _ in 0..60 {
         let goal: Vec<f64> = world.robot.home.iter().map(|h| h + 3.0 * (random.random::<f64>() - 0.5)).collect();
         let start = world.robot.home.clone();
+        let mut halton = Halton::new(&space, 0);
+        let settings = RrtSettings::default();
         let Some(path) =
-            connect(&mut space, &start, &[goal.clone()], &[], &RrtSettings::default(), &mut random, &budget).unwrap()
+            connect(&mut space, &start, &[goal.clone()], &mut halton, &settings, &mut trees, &budget).unwrap()
         else {
             continue;
         };

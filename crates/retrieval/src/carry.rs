@@ -10,7 +10,10 @@ use crate::place;
 use crate::ways::Way;
 use clearway_collision::{Held, Lean, Moment, Obstacle, World};
 use clearway_geometry::{Mat3, Pose, Vec2, Vec3};
-use clearway_motion::{Limits, Path, Posture, RrtSettings, Space, Timed, connect, distance, shorten, smooth, time_curve};
+use clearway_motion::{
+    Limits, NearEnds, Path, Posture, RrtSettings, SimplifySettings, Space, Surely, Timed, Trees, connect,
+    distance, shorten, simplify, smooth, time_curve,
+};
 use clearway_plan::plan_file::{Action, Attached, GripperValue, PlacedPose, Segment, SegmentKind, Step};
 use clearway_plan::robot_file::HandKind;
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
@@ -24,6 +27,9 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Settings {
     pub rrt: RrtSettings,
+    /// Part of the samples drawn near start and goals rather than from all postures.
+    pub near: f64,
+    pub simplify: SimplifySettings,
     /// Random cuts tried per motion.
     pub shortcuts: usize,
     /// Room kept from everything while the arm moves freely, metres.
@@ -53,10 +59,12 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             rrt: RrtSettings::default(),
+            near: 0.75,
+            simplify: SimplifySettings::default(),
             shortcuts: 12,
             margin: 0.002,
             step: 0.01,
-            final_step: 0.008,
+            final_step: 0.003,
             final_margin: 0.0004,
             final_held_margin: 0.0001,
             row: 0.016,
@@ -103,6 +111,7 @@ pub struct Carrier<'a, R: Rng> {
     pub settings: &'a Settings,
     pub random: &'a mut R,
     pub budget: &'a Budget,
+    pub trees: &'a mut Trees,
 }
 
 /// What is held counts as resting up to this height above where it stood, metres.
@@ -195,27 +204,48 @@ impl<R: Rng> Carrier<'_, R> {
     /// A free motion, shortened. When none is found, a motion that may pass through objects tells
     /// which of them stand in the way.
     fn free_motion(&mut self, moment: &Moment, start: &Posture, goals: &[Posture], what: &'static str) -> Attempt<Path> {
-        let mut space = Space::new(self.world, moment, self.settings.step);
         // Ends may be nearer to things than free motion likes to be; then it has to do with less.
         let mut near = moment.clone();
+        let mut space = Space::quick(self.world, moment, self.settings.step);
         if !space.free(start) || !goals.iter().any(|g| space.free(g)) {
             near.margin = self.settings.final_margin;
             near.held_margin = self.settings.final_held_margin;
-            space = Space::new(self.world, &near, self.settings.step);
+            space = Space::quick(self.world, &near, self.settings.step);
         }
-        if let Some(path) = connect(&mut space, start, goals, &[], &self.settings.rrt, self.random, self.budget)? {
-            let path = shorten(&mut space, path, self.settings.shortcuts, self.random, self.budget)?;
+        if let Some(path) = self.connect(&mut space, start, goals, &[], self.settings.rrt.iterations)? {
             return Ok(Ok(path));
         }
         let mut relaxed = near.clone();
         relaxed.standing = ObjectSet::EMPTY;
-        let mut space = Space::new(self.world, &relaxed, self.settings.step);
-        let Some(path) = connect(&mut space, start, goals, &[], &self.settings.rrt, self.random, self.budget)? else {
+        let mut space = Space::quick(self.world, &relaxed, self.settings.step);
+        let Some(path) = self.connect(&mut space, start, goals, &[], self.settings.rrt.iterations)? else {
             return obstructed(what, ObjectSet::EMPTY);
         };
-        let path = shorten(&mut space, path, self.settings.shortcuts, self.random, self.budget)?;
         let blamed = Space::new(self.world, &near, self.settings.step).path_touched(&path).unwrap_or_default();
         obstructed(what, blamed)
+    }
+
+    /// A shortened path: among motions that the kernel calls free if there is one, else among all
+    /// that are.
+    fn connect(
+        &mut self,
+        space: &mut Space,
+        start: &Posture,
+        goals: &[Posture],
+        guides: &[Posture],
+        iterations: usize,
+    ) -> Result<Option<Path>, Stop> {
+        let rrt = RrtSettings { iterations, ..self.settings.rrt.clone() };
+        let mut surely = Surely(space);
+        let mut sampler = NearEnds::new(&surely, start, goals, guides, self.settings.near, self.random);
+        if let Some(path) = connect(&mut surely, start, goals, &mut sampler, &rrt, self.trees, self.budget)? {
+            return Ok(Some(simplify(&mut surely, path, &self.settings.simplify, self.budget)?));
+        }
+        let mut sampler = NearEnds::new(space, start, goals, guides, self.settings.near, self.random);
+        match connect(space, start, goals, &mut sampler, &rrt, self.trees, self.budget)? {
+            Some(path) => Ok(Some(shorten(space, path, self.settings.shortcuts, self.random, self.budget)?)),
+            None => Ok(None),
+        }
     }
 
     /// Smooths and times a path, and checks every row. `resting_within`: near the path's ends, by
@@ -226,7 +256,7 @@ impl<R: Rng> Carrier<'_, R> {
             Limits { velocity: robot.velocity.clone(), acceleration: robot.acceleration.clone(), jerk: robot.jerk.clone() };
         let mut lenient = moment.clone();
         lenient.resting = resting_within.is_some();
-        let curve = smooth(&mut Space::new(self.world, &lenient, self.settings.step), path);
+        let curve = smooth(&mut Space::quick(self.world, &lenient, self.settings.step), path);
         let timed = time_curve(&curve, &limits, self.settings.row);
         if timed.positions.len() < 2 {
             return obstructed(what, ObjectSet::EMPTY);
@@ -249,7 +279,7 @@ impl<R: Rng> Carrier<'_, R> {
             }
             None => (0, rows.len() - 1),
         };
-        let mut strict = Space::new(self.world, moment, self.settings.final_step);
+        let mut strict = Space::quick(self.world, moment, self.settings.final_step);
         let mut resting = Space::new(self.world, &lenient, self.settings.final_step);
         if resting.rows_free(&rows[..=from]) && strict.rows_free(&rows[from..=to]) && resting.rows_free(&rows[to..]) {
             return Ok(Ok(timed));
@@ -267,7 +297,7 @@ impl<R: Rng> Carrier<'_, R> {
             lean: Some(Lean { axis: from.rotation.transpose() * up, upward: up, least: self.settings.lean.cos() }),
             ..moment.clone()
         };
-        let mut space = Space::new(world, &level, self.settings.step);
+        let mut space = Space::quick(world, &level, self.settings.step);
         let mut path = None;
         if space.free(start) && space.free(goal) {
             if space.line_free(start, goal) {
@@ -285,12 +315,11 @@ impl<R: Rng> Carrier<'_, R> {
                     let off = |q: &Posture| distance(q, start) + distance(q, goal);
                     guides.extend(near.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))));
                 }
-                let settings = RrtSettings { iterations: self.settings.level_iterations, ..self.settings.rrt.clone() };
-                path = connect(&mut space, start, std::slice::from_ref(goal), &guides, &settings, self.random, self.budget)?;
+                path = self.connect(&mut space, start, std::slice::from_ref(goal), &guides, self.settings.level_iterations)?;
             }
         }
         match path {
-            Some(path) => Ok(Ok(shorten(&mut space, path, self.settings.shortcuts, self.random, self.budget)?)),
+            Some(path) => Ok(Ok(path)),
             None => self.free_motion(moment, start, std::slice::from_ref(goal), what),
         }
     }

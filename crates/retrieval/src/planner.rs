@@ -12,7 +12,7 @@ use crate::roadmap::{self, Roadmap};
 use crate::trace;
 use crate::ways::{self, Explorer, Ways};
 use clearway_collision::{Contact, Moment, Scratch, Touch, World};
-use clearway_motion::Posture;
+use clearway_motion::{Posture, Trees};
 use clearway_plan::event::Observer;
 use clearway_plan::plan_file::{PlanFile, Stats, Status, Timing};
 use clearway_plan::{Budget, Event, ObjectId, ObjectSet, Stop};
@@ -102,6 +102,7 @@ pub struct Planner {
     /// Ways that end among the clutter are good enough.
     partial_ways: bool,
     scratch: Scratch,
+    trees: Trees,
 }
 
 /// A change of the scene, as a camera or a failed pick may tell.
@@ -134,7 +135,7 @@ impl Planner {
         let roadmap = Roadmap::new(&floor);
         let graph = new_graph(&scene);
         let ways = vec![None; scene.objects.len()];
-        Ok(Self { scene, world, inverse, settings, start, floor, roadmap, graph, ways, partial_ways: false, scratch: Scratch::default() })
+        Ok(Self { scene, world, inverse, settings, start, floor, roadmap, graph, ways, partial_ways: false, scratch: Scratch::default(), trees: Trees::default() })
     }
 
     pub fn scene(&self) -> &Scene {
@@ -385,6 +386,7 @@ impl Planner {
             settings: &self.settings.carry,
             random: &mut run.random_motion,
             budget: &run.budget,
+            trees: &mut self.trees,
         };
         for index in candidates {
             let way = &ways.ways[index];

@@ -3,38 +3,55 @@
 //! Frames are given in the URDF's root link. The tree is flattened once; a call costs one
 //! rotation and one product of transforms per moving link, and allocates nothing.
 
-use crate::description::{JointKind, Robot};
+use crate::description::{Joint, JointKind, Link, Robot};
 use clearway_geometry::{Mat3, Pose, Vec3};
+use std::collections::BTreeMap;
 
 /// What moves a joint: `value = multiplier · variable + offset`. Variables are the arm's joints
 /// in order, then the hand's.
 #[derive(Clone, Copy, Debug)]
-struct Source {
-    variable: usize,
-    multiplier: f64,
-    offset: f64,
+pub struct Source {
+    pub variable: usize,
+    pub multiplier: f64,
+    pub offset: f64,
 }
 
+/// What a joint does, its axis in the joint's frame.
 #[derive(Clone, Copy, Debug)]
-enum Motion {
+pub enum Motion {
     Still,
     Turn { axis: Vec3, source: Source },
     Slide { axis: Vec3, source: Source },
 }
 
+/// How a link hangs from its parent.
 #[derive(Clone, Debug)]
-struct LinkStep {
-    parent: usize,
+pub struct LinkStep {
+    pub parent: usize,
     /// Fixed part; joints held at a value are folded into it.
-    parent_from_joint: Pose,
-    motion: Motion,
+    pub parent_from_joint: Pose,
+    pub motion: Motion,
+}
+
+/// A tree of links, and which of its joints are variables.
+#[derive(Clone, Copy, Debug)]
+pub struct Tree<'a> {
+    pub links: &'a [Link],
+    pub joints: &'a [Joint],
+    /// Indices into `joints`: the variables, in order.
+    pub arm: &'a [usize],
+    /// One more variable, the hand's.
+    pub hand_joint: Option<usize>,
+    /// Where the other joints are held; 0 where nothing is said.
+    pub fixed: &'a BTreeMap<String, f64>,
+    /// The link whose frame is the tool.
+    pub tool: usize,
 }
 
 /// A robot's tree, flattened for speed.
 #[derive(Clone, Debug)]
 pub struct Kinematics {
-    /// By link, parents before children; the root's entry is not used.
-    steps: Vec<LinkStep>,
+    pub(crate) steps: Vec<LinkStep>,
     /// How many joints the arm has.
     pub arm_joints: usize,
     /// The link whose frame is the tool.
@@ -55,6 +72,17 @@ pub struct JointAxis {
 
 impl Kinematics {
     pub fn new(robot: &Robot) -> Self {
+        Self::of(&Tree {
+            links: &robot.links,
+            joints: &robot.joints,
+            arm: &robot.arm,
+            hand_joint: robot.hand.joint,
+            fixed: &robot.fixed,
+            tool: robot.hand.frame,
+        })
+    }
+
+    pub fn of(robot: &Tree) -> Self {
         let arm_joints = robot.arm.len();
         let mut steps = Vec::with_capacity(robot.links.len());
         let mut moved_by = vec![0u64; robot.links.len()];
@@ -67,12 +95,12 @@ impl Kinematics {
             let joint = &robot.joints[joint_index];
             moved_by[index] = moved_by[joint.parent];
             moved_by_hand[index] = moved_by_hand[joint.parent];
-            let (leader, multiplier, offset) = lead(robot, joint_index);
+            let (leader, multiplier, offset) = lead(robot.joints, joint_index);
             let variable = robot
                 .arm
                 .iter()
                 .position(|&j| j == leader)
-                .or_else(|| (robot.hand.joint == Some(leader)).then_some(arm_joints));
+                .or_else(|| (robot.hand_joint == Some(leader)).then_some(arm_joints));
             let mut parent_from_joint = joint.parent_from_joint;
             let motion = match (joint.kind, variable) {
                 (JointKind::Fixed, _) => Motion::Still,
@@ -101,7 +129,12 @@ impl Kinematics {
             };
             steps.push(LinkStep { parent: joint.parent, parent_from_joint, motion });
         }
-        Self { steps, arm_joints, tool: robot.hand.frame, moved_by, moved_by_hand }
+        Self { steps, arm_joints, tool: robot.tool, moved_by, moved_by_hand }
+    }
+
+    /// By link: how it hangs from its parent; parents before children, the root's entry is not used.
+    pub fn steps(&self) -> &[LinkStep] {
+        &self.steps
     }
 
     /// Writes the frame of every link, `root_from_link`, into `frames`.
@@ -158,9 +191,9 @@ impl Kinematics {
 }
 
 /// The joint that leads `joint` through its chain of mimics, with `value = multiplier · lead + offset`.
-fn lead(robot: &Robot, joint: usize) -> (usize, f64, f64) {
+fn lead(joints: &[Joint], joint: usize) -> (usize, f64, f64) {
     let (mut at, mut multiplier, mut offset) = (joint, 1.0, 0.0);
-    while let Some(mimic) = &robot.joints[at].mimic {
+    while let Some(mimic) = &joints[at].mimic {
         offset += multiplier * mimic.offset;
         multiplier *= mimic.multiplier;
         at = mimic.joint;

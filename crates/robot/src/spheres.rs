@@ -23,6 +23,18 @@ pub fn cover(solid: &Solid, cell: f64) -> Vec<Sphere> {
     spheres
 }
 
+/// Covers a link of any robot: small links, such as fingers, with small cells, large ones coarsely.
+/// A link that is made of spheres keeps them as they are.
+pub fn cover_link(solid: &Solid) -> Vec<Sphere> {
+    const FINEST: f64 = 0.02;
+    const COARSEST: f64 = 0.08;
+    if solid.parts.is_empty() {
+        return Vec::new();
+    }
+    let (min, max) = solid.aabb(Pose::IDENTITY);
+    cover(solid, ((max - min).max_element() / 5.0).clamp(FINEST, COARSEST))
+}
+
 /// One sphere round all of them.
 pub fn bounding(spheres: &[Sphere]) -> Sphere {
     let Some(first) = spheres.first() else { return Sphere { centre: Vec3::ZERO, radius: 0.0 } };
@@ -42,6 +54,10 @@ pub fn bounding(spheres: &[Sphere]) -> Sphere {
     ball
 }
 
+/// Along a round part spheres stand this part of its radius apart at least: closer ones would stick
+/// out hardly less.
+const CLOSER: f64 = 0.6;
+
 fn cover_convex(convex: &Convex, cell: f64) -> Vec<Sphere> {
     let along = |half: f64, width: f64, radius: f64| -> Vec<Sphere> {
         let count = ((2.0 * half / width).ceil() as usize).max(1);
@@ -56,13 +72,13 @@ fn cover_convex(convex: &Convex, cell: f64) -> Vec<Sphere> {
     match convex {
         Convex::Sphere { radius } => vec![Sphere { centre: Vec3::ZERO, radius: *radius }],
         Convex::Capsule { radius, half } => {
-            let mut spheres = along(*half, cell.max(*radius), *radius);
+            let mut spheres = along(*half, cell.max(CLOSER * radius), *radius);
             for end in [-half, *half] {
                 spheres.push(Sphere { centre: Vec3::new(0.0, 0.0, end), radius: *radius });
             }
             spheres
         }
-        Convex::Cylinder { radius, half } if *radius <= 2.0 * half => along(*half, cell.max(*radius), *radius),
+        Convex::Cylinder { radius, half } if *radius <= 2.0 * half => along(*half, cell.max(CLOSER * radius), *radius),
         Convex::Cylinder { radius, half } => grid(Vec3::new(*radius, *radius, *half), Vec3::ZERO, cell, convex),
         Convex::Box { half } => grid(*half, Vec3::ZERO, cell, convex),
         Convex::Hull(hull) => {

@@ -121,3 +121,55 @@ fn convex_corners(convex: &Convex) -> Vec<Vec3> {
     let steps = || (-20..=20).map(|i| f64::from(i) / 20.0);
     steps().flat_map(|x| steps().flat_map(move |z| [-1.0, 1.0].map(|y| half * Vec3::new(x, y, z)))).collect()
 }
+
+fn panda() -> Robot {
+    Robot::load("panda", Path::new("."), &[]).expect("the built-in robot")
+}
+
+#[test]
+fn panda_is_what_its_files_say() {
+    let robot = panda();
+    assert_eq!(robot.arm_names(), (1..=7).map(|i| format!("panda_joint{i}")).collect::<Vec<_>>());
+    assert_eq!(robot.velocity, [2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61]);
+    assert_eq!(robot.acceleration, [15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0]);
+    assert_eq!(robot.jerk, [7500.0, 3750.0, 5000.0, 6250.0, 7500.0, 10000.0, 10000.0]);
+    assert_eq!(robot.hand.widest(), 0.08);
+    assert_eq!(robot.disabled_pairs.len(), 11);
+    assert!(robot.fixed.is_empty() && robot.meshes.is_empty());
+    assert_eq!(robot.named_states.keys().collect::<Vec<_>>(), ["home", "ready"]);
+    for (name, &home) in robot.arm_names().iter().zip(&robot.home) {
+        assert_eq!(robot.named_states["home"][*name], home);
+    }
+    assert!(report(&robot).contains("0 to 80 mm"));
+}
+
+#[test]
+fn panda_rests_with_the_hand_level() {
+    let robot = panda();
+    let home = |j: usize| robot.arm.iter().position(|&a| a == j).map_or(0.0, |i| robot.home[i]);
+    let hand = root_from(&robot, robot.hand.frame, &home);
+    assert!((hand.rotation.z_axis - Vec3::X).length() < 1e-5 && hand.rotation.x_axis.z.abs() < 1e-5, "{hand:?}");
+    assert!((hand.translation - Vec3::new(0.429, 0.0, 0.785)).length() < 1e-3, "{hand:?}");
+}
+
+/// Both pads are half the gap away from the tool's frame, whatever the opening, and reach beyond it.
+#[test]
+fn panda_opens_as_its_table_says() {
+    let robot = panda();
+    let lead = robot.hand.joint.expect("a parallel hand");
+    for i in 0..=40 {
+        let q = f64::from(i) / 1000.0;
+        let value = |j: usize| if j == lead { q } else { 0.0 };
+        for (finger, side) in [("panda_leftfinger", 1.0), ("panda_rightfinger", -1.0)] {
+            let link = robot.link(finger).expect("a finger");
+            let tool_from_link = root_from(&robot, robot.hand.frame, &value).inverse() * root_from(&robot, link, &value);
+            let (pose, convex) = &robot.links[link].collision.parts[2];
+            let Convex::Box { half } = convex else { panic!("a box") };
+            let pad = tool_from_link * *pose;
+            // The pad's box has y across, which is the tool's x.
+            let inner = pad.translation.x.abs() - half.y;
+            assert!((2.0 * inner - robot.hand.gap_at(q)).abs() < 1e-9, "{finger} at {q}: {inner}");
+            assert!(pad.translation.x * side >= 0.0 && pad.translation.z.abs() < half.z, "{finger}: {pad:?}");
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! The robots that the program carries: files like a user's, embedded.
 
 /// Their names.
-pub const NAMES: [&str; 1] = ["ur10_ag95"];
+pub const NAMES: [&str; 2] = ["ur10_ag95", "panda"];
 
 /// A built-in robot's files. They name no meshes.
 pub struct BuiltIn {
@@ -12,14 +12,22 @@ pub struct BuiltIn {
     pub srdf: &'static str,
 }
 
+/// The files of `robots/NAME`: `robot.yaml`, `NAME.urdf`, `NAME.srdf`.
+macro_rules! built_in {
+    ($name:literal) => {
+        BuiltIn {
+            directory: concat!("robots/", $name),
+            file: include_str!(concat!("../../../../robots/", $name, "/robot.yaml")),
+            urdf: include_str!(concat!("../../../../robots/", $name, "/", $name, ".urdf")),
+            srdf: include_str!(concat!("../../../../robots/", $name, "/", $name, ".srdf")),
+        }
+    };
+}
+
 pub fn find(name: &str) -> Option<BuiltIn> {
     match name {
-        "ur10_ag95" => Some(BuiltIn {
-            directory: "robots/ur10_ag95",
-            file: include_str!("../../../../robots/ur10_ag95/robot.yaml"),
-            urdf: include_str!("../../../../robots/ur10_ag95/ur10_ag95.urdf"),
-            srdf: include_str!("../../../../robots/ur10_ag95/ur10_ag95.srdf"),
-        }),
+        "ur10_ag95" => Some(built_in!("ur10_ag95")),
+        "panda" => Some(built_in!("panda")),
         _ => None,
     }
 }

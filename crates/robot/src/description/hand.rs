@@ -36,6 +36,11 @@ impl Hand {
         self.joint_at(self.widest())
     }
 
+    /// The joint values at which the hand is widest open, and closed.
+    pub fn ends(&self) -> [f64; 2] {
+        [self.open(), self.joint_at(0.0)]
+    }
+
     /// The gap at a joint value; beyond the table's ends, that of the end.
     pub fn gap_at(&self, joint: f64) -> f64 {
         between(self.opening.iter().copied(), joint)

@@ -12,6 +12,7 @@ use super::{Robot, grasps, hand, planar_base, srdf, tree, urdf};
 use clearway_files::{FileError, Limits, Located, closest, quoted, read_text, xml, yaml};
 use clearway_plan::RobotFile;
 use clearway_plan::robot_file::FORMAT;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// A document and the name it goes by in messages.
@@ -78,6 +79,12 @@ pub fn describe_urdf(path: &Path, packages: &[(String, PathBuf)]) -> Result<Mode
     let document = xml::parse(path, &text)?;
     let source = Source { path };
     model_of(source, &urdf::read(source, &document)?, &roots, &base)
+}
+
+/// The links `(a, b)`, `a < b`, that an SRDF says need not be checked against each other.
+pub fn disabled_pairs(path: &Path, model: &Model) -> Result<BTreeSet<(usize, usize)>, FileError> {
+    let text = read_text(path, &Limits::DOCUMENT)?;
+    Ok(srdf::read(path, &text, &model.links, &model.joints)?.disabled_pairs)
 }
 
 fn parent(path: &Path) -> &Path {

@@ -25,7 +25,7 @@ mod urdf;
 
 pub use builtin::NAMES as BUILT_IN;
 pub use hand::Hand;
-pub use load::describe_urdf;
+pub use load::{describe_urdf, disabled_pairs};
 pub use model::{CollisionKind, Joint, JointKind, Link, MeshSource, Mimic, Model};
 
 use clearway_plan::RobotFile;

@@ -1,16 +1,24 @@
 //! Inverse kinematics: the postures that bring the tool to a pose.
 //!
-//! Arms with three parallel axes and a wrist whose last two axes meet (UR and its like) are
-//! solved in closed form, all branches; any other chain by damped least squares from many seeds.
+//! Two builds are solved in closed form: six joints with three parallel axes and a wrist whose last
+//! two axes meet (UR and its like), all branches; and seven joints with a spherical shoulder (Panda
+//! and its like), all branches for each of many values of the last joint. Any other chain is solved
+//! by damped least squares from many seeds.
 
+mod chain;
 mod numeric;
+mod spherical_shoulder;
 mod subproblems;
+mod sweep;
 mod three_parallel;
 
 use crate::kinematics::Kinematics;
+use chain::Chain;
 use clearway_geometry::Pose;
+use numeric::Limits;
 use std::f64::consts::TAU;
 
+pub use spherical_shoulder::SphericalShoulder;
 pub use three_parallel::ThreeParallel;
 
 /// A posture of the arm: a value per arm joint.
@@ -19,18 +27,18 @@ pub type Posture = Vec<f64>;
 /// How a pose is turned into postures.
 #[derive(Clone, Debug)]
 pub struct InverseKinematics {
-    kinematics: Kinematics,
+    chain: Chain,
     lower: Vec<f64>,
     upper: Vec<f64>,
     method: Method,
-    /// Seeds of the numeric solver, spread over the joint ranges.
-    seeds: Vec<Posture>,
 }
 
 #[derive(Clone, Debug)]
 enum Method {
     ThreeParallel(Box<ThreeParallel>),
-    Numeric,
+    SphericalShoulder(Box<SphericalShoulder>),
+    /// From these seeds, spread over the joint ranges.
+    Numeric(Vec<Posture>),
 }
 
 /// A solution may miss the pose by this much, metres and radians.
@@ -38,66 +46,81 @@ pub const TOLERANCE: f64 = 1e-9;
 
 impl InverseKinematics {
     pub fn new(robot: &crate::Robot, kinematics: &Kinematics) -> Self {
-        let method = match ThreeParallel::of(robot, kinematics) {
-            Some(closed) => Method::ThreeParallel(Box::new(closed)),
-            None => Method::Numeric,
+        let method = if let Some(closed) = ThreeParallel::of(robot, kinematics) {
+            Method::ThreeParallel(Box::new(closed))
+        } else if let Some(closed) = SphericalShoulder::of(robot, kinematics) {
+            Method::SphericalShoulder(Box::new(closed))
+        } else {
+            Method::Numeric(numeric::seeds(robot))
         };
-        let seeds = numeric::seeds(robot);
-        Self { kinematics: kinematics.clone(), lower: robot.lower.clone(), upper: robot.upper.clone(), method, seeds }
+        Self { chain: Chain::of(kinematics), lower: robot.lower.clone(), upper: robot.upper.clone(), method }
     }
 
     /// In words, for reports.
     pub fn describe(&self) -> &'static str {
         match self.method {
             Method::ThreeParallel(_) => "closed form (three parallel axes, up to 8 branches)",
-            Method::Numeric => "numeric (damped least squares from spread seeds)",
+            Method::SphericalShoulder(_) => {
+                "closed form (spherical shoulder, up to 8 branches for each value of the last joint, which is swept)"
+            }
+            Method::Numeric(_) => "numeric (damped least squares from spread seeds)",
         }
     }
 
-    /// Whether the method finds every branch, so that finding none is a proof.
+    /// Whether the method finds every branch, so that finding none is a proof. A swept joint is no
+    /// proof: there may be postures between the values tried.
     pub fn complete(&self) -> bool {
         matches!(self.method, Method::ThreeParallel(_))
     }
 
-    /// All postures found that bring the tool to `root_from_tool`, within the joint limits, each
-    /// with its joints turned by whole turns to be nearest to `near`. At a singularity one of the
-    /// infinitely many.
+    /// Postures that bring the tool to `root_from_tool`, within the joint limits, each with its joints
+    /// turned by whole turns to be nearest to `near`: all of them, or, where there are infinitely many,
+    /// some that differ. At a singularity one of the infinitely many.
     pub fn solve(&self, root_from_tool: &Pose, near: &[f64]) -> Vec<Posture> {
-        let mut found = match &self.method {
-            Method::ThreeParallel(closed) => closed.solve(root_from_tool),
-            Method::Numeric => self.seeds.iter().filter_map(|s| self.descend(root_from_tool, s)).collect(),
-        };
-        found.retain_mut(|q| self.polish(root_from_tool, q) && self.wrap(q, near));
-        let mut distinct: Vec<Posture> = Vec::with_capacity(found.len());
-        let apart = if matches!(self.method, Method::Numeric) { 0.3 } else { 1e-6 };
-        for q in found {
-            if distinct.iter().all(|d| d.iter().zip(&q).any(|(a, b)| (a - b).abs() > apart)) {
-                distinct.push(q);
+        let sound = |q: &mut Posture| self.polish(root_from_tool, q) && self.wrap(q, near);
+        match &self.method {
+            Method::ThreeParallel(closed) => {
+                let mut found = closed.solve(root_from_tool);
+                found.retain_mut(sound);
+                distinct(found, 1e-6)
+            }
+            Method::SphericalShoulder(closed) => {
+                let last = self.upper.len() - 1;
+                let mut found = sweep::solve(closed, root_from_tool, near, self.lower[last], self.upper[last]);
+                found.retain_mut(|q| self.wrap(q, near));
+                let mut few = sweep::spread(found, near);
+                few.retain_mut(sound);
+                few
+            }
+            Method::Numeric(seeds) => {
+                let mut found = numeric::solve(&self.chain, root_from_tool, seeds, self.limits());
+                found.retain_mut(sound);
+                distinct(found, 0.3)
             }
         }
-        distinct
     }
 
     /// The posture that brings the tool to `root_from_tool` and is reached from `from` by a small
     /// motion: no joint moves by more than `reach` (radians or metres).
     pub fn follow(&self, root_from_tool: &Pose, from: &[f64], reach: f64) -> Option<Posture> {
         let mut q = from.to_vec();
-        if !(self.polish(root_from_tool, &mut q) || numeric::descend(&self.kinematics, root_from_tool, &mut q, 20, TOLERANCE)) {
-            return None;
+        let near = |q: &[f64]| q.iter().zip(from).all(|(a, b)| (a - b).abs() <= reach);
+        if numeric::descend(&self.chain, root_from_tool, &mut q, Some(self.limits()), 20, TOLERANCE) && near(&q) {
+            return Some(q);
         }
-        let near = q.iter().zip(from).all(|(a, b)| (a - b).abs() <= reach);
-        let inside = q.iter().zip(&self.lower).zip(&self.upper).all(|((q, l), u)| q >= l && q <= u);
-        (near && inside).then_some(q)
+        let Method::SphericalShoulder(closed) = &self.method else { return None };
+        q.copy_from_slice(&sweep::follow(closed, root_from_tool, from, &self.lower, &self.upper, reach)?);
+        let inside = |q: &[f64]| q.iter().zip(&self.lower).zip(&self.upper).all(|((q, l), u)| q >= l && q <= u);
+        (self.polish(root_from_tool, &mut q) && near(&q) && inside(&q)).then_some(q)
     }
 
-    fn descend(&self, target: &Pose, seed: &[f64]) -> Option<Posture> {
-        let mut q = seed.to_vec();
-        numeric::descend_within(&self.kinematics, target, &mut q, &self.lower, &self.upper).then_some(q)
+    fn limits(&self) -> Limits<'_> {
+        Limits { lower: &self.lower, upper: &self.upper }
     }
 
     /// A few Newton steps, so that rounding near singularities does not remain.
     fn polish(&self, target: &Pose, q: &mut [f64]) -> bool {
-        numeric::descend(&self.kinematics, target, q, 4, TOLERANCE)
+        numeric::descend(&self.chain, target, q, None, 4, TOLERANCE)
     }
 
     /// Turns joints by whole turns towards `near`; false when no turn lies within the limits.
@@ -116,4 +139,15 @@ impl InverseKinematics {
         }
         true
     }
+}
+
+/// Those of which each differs from all before by more than `apart` in some joint.
+fn distinct(found: Vec<Posture>, apart: f64) -> Vec<Posture> {
+    let mut distinct: Vec<Posture> = Vec::with_capacity(found.len());
+    for q in found {
+        if distinct.iter().all(|d| d.iter().zip(&q).any(|(a, b)| (a - b).abs() > apart)) {
+            distinct.push(q);
+        }
+    }
+    distinct
 }

@@ -1,14 +1,21 @@
-//! Inverse kinematics of any chain by damped least squares (Levenberg–Marquardt on the pose error).
+//! Inverse kinematics of any chain by damped least squares (Levenberg–Marquardt on the pose error),
+//! within the joints' limits.
 
 use super::Posture;
+use super::chain::{Chain, NO_JACOBIAN};
 use crate::Robot;
-use crate::kinematics::{JointAxis, Kinematics};
 use clearway_geometry::{Mat3, Pose, Vec3};
 use std::f64::consts::PI;
 
 /// Starts per pose; a seven-joint arm then shows most of its families of postures.
-const SEEDS: usize = 12;
+pub const STARTS: usize = 12;
+/// As many more are tried while no posture is found.
+const SPARE: usize = 36;
 const STEPS: usize = 60;
+/// A descent that has not halved its error after so many steps is given up.
+const PATIENCE: usize = 8;
+/// No joint moves farther in one step, radians or metres.
+const LONGEST: f64 = 0.5;
 
 /// Postures spread evenly over the joint ranges (Halton), the resting posture first.
 pub fn seeds(robot: &Robot) -> Vec<Posture> {
@@ -23,7 +30,7 @@ pub fn seeds(robot: &Robot) -> Vec<Posture> {
         r
     };
     let mut seeds = vec![robot.home.clone()];
-    for i in 1..SEEDS {
+    for i in 1..STARTS + SPARE {
         seeds.push(
             (0..robot.arm.len())
                 .map(|j| {
@@ -36,9 +43,30 @@ pub fn seeds(robot: &Robot) -> Vec<Posture> {
     seeds
 }
 
+/// What joints may be.
+#[derive(Clone, Copy)]
+pub struct Limits<'a> {
+    pub lower: &'a [f64],
+    pub upper: &'a [f64],
+}
+
+/// The postures found from the seeds.
+pub fn solve(chain: &Chain, target: &Pose, seeds: &[Posture], limits: Limits) -> Vec<Posture> {
+    let mut found = Vec::new();
+    for (i, seed) in seeds.iter().enumerate() {
+        if i >= STARTS && !found.is_empty() {
+            break;
+        }
+        let mut q = seed.clone();
+        if descend(chain, target, &mut q, Some(limits), STEPS, super::TOLERANCE) {
+            found.push(q);
+        }
+    }
+    found
+}
+
 /// The pose error as a twist in the root frame: translation (metres), rotation (radians).
-fn error(target: &Pose, at: &Pose) -> [f64; 6] {
-    let t = target.translation - at.translation;
+fn error(target: &Pose, at: &Pose) -> (Vec3, Vec3) {
     let r = target.rotation * at.rotation.transpose();
     let axis = Vec3::new(r.y_axis.z - r.z_axis.y, r.z_axis.x - r.x_axis.z, r.x_axis.y - r.y_axis.x);
     let trace = r.x_axis.x + r.y_axis.y + r.z_axis.z;
@@ -54,95 +82,90 @@ fn error(target: &Pose, at: &Pose) -> [f64; 6] {
         let c = [m.x_axis, m.y_axis, m.z_axis].into_iter().max_by(|a, b| a.length().total_cmp(&b.length()));
         c.unwrap_or(Vec3::X).normalize_or_zero() * PI
     };
-    [t.x, t.y, t.z, w.x, w.y, w.z]
+    (target.translation - at.translation, w)
 }
 
-/// Moves `q` towards the target for at most `steps` steps; whether it came within `tolerance`.
-/// Limits are not considered.
-pub fn descend(kinematics: &Kinematics, target: &Pose, q: &mut [f64], steps: usize, tolerance: f64) -> bool {
-    iterate(kinematics, target, q, None, steps, tolerance)
-}
-
-/// The same within limits, from far away.
-pub fn descend_within(kinematics: &Kinematics, target: &Pose, q: &mut [f64], lower: &[f64], upper: &[f64]) -> bool {
-    iterate(kinematics, target, q, Some((lower, upper)), STEPS, super::TOLERANCE)
-}
-
-fn iterate(
-    kinematics: &Kinematics,
+/// Moves `q` towards the target for at most `steps` steps, within the limits if there are any;
+/// whether it came within `tolerance`. Joints at a limit that would leave it stand still, and the
+/// others make up for them.
+pub fn descend(
+    chain: &Chain,
     target: &Pose,
     q: &mut [f64],
-    limits: Option<(&[f64], &[f64])>,
+    limits: Option<Limits>,
     steps: usize,
     tolerance: f64,
 ) -> bool {
-    let n = kinematics.arm_joints;
-    let mut frames = Vec::new();
-    let mut axes: Vec<JointAxis> = Vec::new();
-    let mut jacobian = vec![[0.0; 6]; n];
+    let n = chain.joints;
+    let mut jacobian = NO_JACOBIAN;
+    let mut delta = [0.0; NO_JACOBIAN.len()];
+    let mut checkpoint = f64::INFINITY;
     for step in 0..=steps {
-        kinematics.frames(q, 0.0, &mut frames);
-        let tool = frames[kinematics.tool];
-        let e = error(target, &tool);
-        let size = e.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let tool = chain.tool(q, &mut jacobian);
+        let (t, w) = error(target, &tool);
+        let size = (t.length_squared() + w.length_squared()).sqrt();
         if size < tolerance {
             return true;
         }
-        if step == steps {
-            return false;
-        }
-        kinematics.axes(&frames, &mut axes);
-        for (column, axis) in jacobian.iter_mut().zip(&axes) {
-            let (v, w) = if axis.slides {
-                (axis.direction, Vec3::ZERO)
-            } else {
-                (axis.direction.cross(tool.translation - axis.origin), axis.direction)
-            };
-            *column = [v.x, v.y, v.z, w.x, w.y, w.z];
+        if step % PATIENCE == 0 {
+            if size > checkpoint / 2.0 {
+                return false;
+            }
+            checkpoint = size;
         }
         // (J Jᵀ + λ 1) y = e, then Δq = Jᵀ y. The damping dies with the error, so that the end is
         // as quick as Newton's method.
-        let damping = 1e-3 * (size * size).min(0.1);
-        let mut a = [[0.0; 6]; 6];
-        for column in &jacobian {
-            for i in 0..6 {
-                for j in 0..6 {
-                    a[i][j] += column[i] * column[j];
+        let damping = 1e-3 * (size * size).min(0.1) + 1e-13;
+        let mut still = 0u32;
+        loop {
+            let mut a = [[0.0; 6]; 6];
+            for (i, (v, w)) in jacobian[..n].iter().enumerate() {
+                if still >> i & 1 == 0 {
+                    let c = [v.x, v.y, v.z, w.x, w.y, w.z];
+                    for i in 0..6 {
+                        for j in 0..=i {
+                            a[i][j] += c[i] * c[j];
+                        }
+                    }
                 }
             }
+            for (i, row) in a.iter_mut().enumerate() {
+                row[i] += damping;
+            }
+            let Some(y) = solve6(a, [t.x, t.y, t.z, w.x, w.y, w.z]) else { return false };
+            let (force, torque) = (Vec3::new(y[0], y[1], y[2]), Vec3::new(y[3], y[4], y[5]));
+            let before = still;
+            for (i, (v, w)) in jacobian[..n].iter().enumerate() {
+                delta[i] = if still >> i & 1 == 0 { v.dot(force) + w.dot(torque) } else { 0.0 };
+                if let Some(limits) = limits
+                    && (delta[i] > 0.0 && q[i] >= limits.upper[i] || delta[i] < 0.0 && q[i] <= limits.lower[i])
+                {
+                    still |= 1 << i;
+                }
+            }
+            if still == before {
+                break;
+            }
         }
-        for (i, row) in a.iter_mut().enumerate() {
-            row[i] += damping + 1e-14;
-        }
-        let Some(y) = solve6(a, e) else { return false };
-        let mut longest = 0.0f64;
-        let delta: Vec<f64> = jacobian
-            .iter()
-            .map(|c| {
-                let d: f64 = c.iter().zip(&y).map(|(c, y)| c * y).sum();
-                longest = longest.max(d.abs());
-                d
-            })
-            .collect();
-        let scale = if longest > 0.5 { 0.5 / longest } else { 1.0 };
-        for (i, d) in delta.iter().enumerate() {
-            q[i] += d * scale;
-            if let Some((lower, upper)) = limits {
-                q[i] = q[i].clamp(lower[i], upper[i]);
+        let longest = delta[..n].iter().fold(0.0f64, |m, d| m.max(d.abs()));
+        let scale = if longest > LONGEST { LONGEST / longest } else { 1.0 };
+        for i in 0..n {
+            q[i] += delta[i] * scale;
+            if let Some(limits) = limits {
+                q[i] = q[i].clamp(limits.lower[i], limits.upper[i]);
             }
         }
     }
     false
 }
 
-/// Solves a symmetric positive definite 6×6 system by Cholesky's method.
+/// Solves a symmetric positive definite 6×6 system, of which the lower half is given, by Cholesky's
+/// method.
 fn solve6(mut a: [[f64; 6]; 6], b: [f64; 6]) -> Option<[f64; 6]> {
     for i in 0..6 {
         for j in 0..=i {
             let mut sum = a[i][j];
-            for k in 0..j {
-                sum -= a[i][k] * a[j][k];
-            }
+            sum -= a[i][..j].iter().zip(&a[j][..j]).map(|(x, y)| x * y).sum::<f64>();
             if i == j {
                 if sum <= 0.0 {
                     return None;

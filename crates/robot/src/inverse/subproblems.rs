@@ -21,3 +21,15 @@ pub fn turn_to_height(h: Vec3, k: Vec3, p: Vec3, d: f64) -> Option<[f64; 2]> {
     let aside = (wanted / size).clamp(-1.0, 1.0).acos();
     Some([middle + aside, middle - aside])
 }
+
+/// The point of the first line that is on the second, within `tolerance` metres; lines as point and
+/// unit direction. None if they are parallel.
+pub fn meeting_point(a: Vec3, u: Vec3, b: Vec3, v: Vec3, tolerance: f64) -> Option<Vec3> {
+    let normal = u.cross(v);
+    let size = normal.length_squared();
+    if size < 1e-8 || ((b - a).dot(normal) / size.sqrt()).abs() > tolerance {
+        return None;
+    }
+    let t = (b - a).cross(v).dot(normal) / size;
+    Some(a + u * t)
+}

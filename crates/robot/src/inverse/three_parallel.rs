@@ -6,7 +6,7 @@
 //! its component of the last axis q₅, then q₆, the sum q₂+q₃+q₄, q₃ by the law of cosines, q₂, q₄.
 
 use super::Posture;
-use super::subproblems::{turn_onto, turn_to_height};
+use super::subproblems::{meeting_point, turn_onto, turn_to_height};
 use crate::Robot;
 use crate::kinematics::Kinematics;
 use clearway_geometry::{Mat3, Pose, Vec3};
@@ -42,7 +42,7 @@ impl ThreeParallel {
         if !parallel(direction(1), direction(2)) || !parallel(direction(1), direction(3)) || parallel(direction(0), direction(1)) {
             return None;
         }
-        let meeting = meeting_point(axes[4].origin, direction(4), axes[5].origin, direction(5))?;
+        let meeting = meeting_point(axes[4].origin, direction(4), axes[5].origin, direction(5), 1e-6)?;
         let axis: [Vec3; 6] = std::array::from_fn(direction);
         let sign = [axis[1].dot(axis[2]).signum(), axis[1].dot(axis[3]).signum()];
         let at = |i: usize| axes[i].origin;
@@ -88,15 +88,4 @@ impl ThreeParallel {
         }
         found
     }
-}
-
-/// The point that two lines share, within a micrometre.
-fn meeting_point(a: Vec3, u: Vec3, b: Vec3, v: Vec3) -> Option<Vec3> {
-    let normal = u.cross(v);
-    let size = normal.length_squared();
-    if size < 1e-8 || ((b - a).dot(normal) / size.sqrt()).abs() > 1e-6 {
-        return None;
-    }
-    let t = (b - a).cross(v).dot(normal) / size;
-    Some(a + u * t)
 }

@@ -1,19 +1,49 @@
-//! Arms written out as URDFs, each with a suction cup as its hand, and loaded as a user's would be.
+//! Arms written out as URDFs, each with a suction cup as its hand, and loaded as a user's would be;
+//! postures of them.
 
+// Each test takes what it needs.
+#![allow(dead_code)]
+
+use clearway_geometry::{Pose, Vec3};
 use clearway_robot::Robot;
+use rand::RngExt;
 use std::fs;
 
+pub type Random = rand_xoshiro::Xoshiro256PlusPlus;
+
+/// A posture within the limits.
+pub fn posture(robot: &Robot, random: &mut Random) -> Vec<f64> {
+    robot.lower.iter().zip(&robot.upper).map(|(&low, &high)| random.random_range(low..high)).collect()
+}
+
+/// Metres and radians between two poses, the larger of the two.
+pub fn apart(a: &Pose, b: &Pose) -> f64 {
+    // For small angles: half the length of R − Rᵀ's axis is accurate where an arc cosine is not.
+    let r = a.rotation.transpose() * b.rotation;
+    let axis = Vec3::new(r.y_axis.z - r.z_axis.y, r.z_axis.x - r.x_axis.z, r.x_axis.y - r.y_axis.x) / 2.0;
+    let trace = r.x_axis.x + r.y_axis.y + r.z_axis.z;
+    let angle = axis.length().atan2((trace - 1.0) / 2.0);
+    angle.max((a.translation - b.translation).length())
+}
+
+/// Whether a posture is within the limits.
+pub fn inside(robot: &Robot, q: &[f64]) -> bool {
+    q.iter().zip(&robot.lower).zip(&robot.upper).all(|((q, l), u)| q >= l && q <= u)
+}
+
 /// One joint of a chain: where it is in the link before (metres, radians), and its axis there.
-pub struct Turning {
+pub struct Joint {
+    /// `revolute` or `prismatic`.
+    pub kind: &'static str,
     pub xyz: [f64; 3],
     pub rpy: [f64; 3],
     pub axis: [f64; 3],
     pub limits: [f64; 2],
 }
 
-/// A chain of turning joints. `root` is the pose of the first link in the root link, `tool` that of
+/// A chain of joints. `root` is the pose of the first link in the root link, `tool` that of
 /// the cup in the last link, each `xyz` and `rpy`.
-pub fn chain(root: ([f64; 3], [f64; 3]), joints: &[Turning], tool: ([f64; 3], [f64; 3])) -> Robot {
+pub fn chain(root: ([f64; 3], [f64; 3]), joints: &[Joint], tool: ([f64; 3], [f64; 3])) -> Robot {
     let row = |v: [f64; 3]| format!("{} {} {}", v[0], v[1], v[2]);
     let origin = |(xyz, rpy): ([f64; 3], [f64; 3])| format!("<origin xyz=\"{}\" rpy=\"{}\"/>", row(xyz), row(rpy));
     let fixed = |name: &str, parent: &str, child: &str, pose| {
@@ -23,10 +53,11 @@ pub fn chain(root: ([f64; 3], [f64; 3]), joints: &[Turning], tool: ([f64; 3], [f
     urdf += &fixed("mount", "root", "l0", root);
     for (i, j) in joints.iter().enumerate() {
         urdf += &format!(
-            "<link name=\"l{}\"/><joint name=\"j{}\" type=\"revolute\"><parent link=\"l{i}\"/><child link=\"l{}\"/>{}\
+            "<link name=\"l{}\"/><joint name=\"j{}\" type=\"{}\"><parent link=\"l{i}\"/><child link=\"l{}\"/>{}\
              <axis xyz=\"{}\"/><limit lower=\"{}\" upper=\"{}\" velocity=\"2\" effort=\"1\"/></joint>\n",
             i + 1,
             i + 1,
+            j.kind,
             i + 1,
             origin((j.xyz, j.rpy)),
             row(j.axis),
@@ -53,7 +84,8 @@ pub fn ur5(signs: [f64; 6], root: ([f64; 3], [f64; 3])) -> Robot {
     use std::f64::consts::{FRAC_PI_2, PI};
     const Y: [f64; 3] = [0.0, 1.0, 0.0];
     const Z: [f64; 3] = [0.0, 0.0, 1.0];
-    let joint = |i: usize, xyz, pitch, axis: [f64; 3], limit: f64| Turning {
+    let joint = |i: usize, xyz, pitch, axis: [f64; 3], limit: f64| Joint {
+        kind: "revolute",
         xyz,
         rpy: [0.0, pitch, 0.0],
         axis: axis.map(|a| a * signs[i]),
@@ -70,19 +102,103 @@ pub fn ur5(signs: [f64; 6], root: ([f64; 3], [f64; 3])) -> Robot {
     chain(root, &joints, ([0.01, 0.0823, -0.02], [0.2, -0.4, FRAC_PI_2]))
 }
 
-/// A Panda: seven joints, so infinitely many postures for a pose.
-pub fn panda() -> Robot {
+/// Along z of the joint before, turned by `roll` about x: how Franka and UFactory write their arms.
+fn rolled(xyz: [f64; 3], roll: f64, limits: [f64; 2]) -> Joint {
+    Joint { kind: "revolute", xyz, rpy: [roll, 0.0, 0.0], axis: [0.0, 0.0, 1.0], limits }
+}
+
+/// The joints of a Panda, as published.
+pub fn panda_joints() -> [Joint; 7] {
     use std::f64::consts::FRAC_PI_2;
-    let joint = |xyz, roll, limits| Turning { xyz, rpy: [roll, 0.0, 0.0], axis: [0.0, 0.0, 1.0], limits };
     let wide = [-2.8973, 2.8973];
+    [
+        rolled([0.0, 0.0, 0.333], 0.0, wide),
+        rolled([0.0, 0.0, 0.0], -FRAC_PI_2, [-1.7628, 1.7628]),
+        rolled([0.0, -0.316, 0.0], FRAC_PI_2, wide),
+        rolled([0.0825, 0.0, 0.0], FRAC_PI_2, [-3.0718, -0.0698]),
+        rolled([-0.0825, 0.384, 0.0], -FRAC_PI_2, wide),
+        rolled([0.0, 0.0, 0.0], FRAC_PI_2, [-0.0175, 3.7525]),
+        rolled([0.088, 0.0, 0.0], FRAC_PI_2, wide),
+    ]
+}
+
+/// Its flange and hand.
+pub const PANDA_TOOL: ([f64; 3], [f64; 3]) = ([0.0, 0.0, 0.2104], [0.0, 0.0, -std::f64::consts::FRAC_PI_4]);
+
+pub fn panda() -> Robot {
+    chain(([0.0; 3], [0.0; 3]), &panda_joints(), PANDA_TOOL)
+}
+
+/// A UFactory xArm 7: a Panda's build with other lengths and wider limits; roll angles rounded as in
+/// its maker's URDF.
+pub fn xarm7() -> Robot {
+    use std::f64::consts::{FRAC_PI_2, TAU};
+    let round = [-TAU, TAU];
+    let quarter = (FRAC_PI_2 * 1e4).round() / 1e4;
     let joints = [
-        joint([0.0, 0.0, 0.333], 0.0, wide),
-        joint([0.0, 0.0, 0.0], -FRAC_PI_2, [-1.7628, 1.7628]),
-        joint([0.0, -0.316, 0.0], FRAC_PI_2, wide),
-        joint([0.0825, 0.0, 0.0], FRAC_PI_2, [-3.0718, -0.0698]),
-        joint([-0.0825, 0.384, 0.0], -FRAC_PI_2, wide),
-        joint([0.0, 0.0, 0.0], FRAC_PI_2, [-0.0175, 3.7525]),
-        joint([0.088, 0.0, 0.0], FRAC_PI_2, wide),
+        rolled([0.0, 0.0, 0.267], 0.0, round),
+        rolled([0.0, 0.0, 0.0], -quarter, [-2.059, 2.0944]),
+        rolled([0.0, -0.293, 0.0], quarter, round),
+        rolled([0.0525, 0.0, 0.0], quarter, [-0.19198, 3.927]),
+        rolled([0.0775, -0.3425, 0.0], quarter, round),
+        rolled([0.0, 0.0, 0.0], quarter, [-1.69297, std::f64::consts::PI]),
+        rolled([0.076, 0.097, 0.0], -quarter, round),
     ];
-    chain(([0.0; 3], [0.0; 3]), &joints, ([0.0, 0.0, 0.21], [0.0, 0.0, 0.785]))
+    chain(([0.0; 3], [0.0; 3]), &joints, ([0.0, 0.0, 0.15], [0.0; 3]))
+}
+
+/// A KUKA LBR iiwa 14: three joints each at the shoulder and the wrist, all axes in one plane at zero.
+pub fn iiwa() -> Robot {
+    const Y: [f64; 3] = [0.0, 1.0, 0.0];
+    const Z: [f64; 3] = [0.0, 0.0, 1.0];
+    let joint = |z, axis, degrees: f64| {
+        let limit = degrees.to_radians();
+        Joint { kind: "revolute", xyz: [0.0, 0.0, z], rpy: [0.0; 3], axis, limits: [-limit, limit] }
+    };
+    let joints = [
+        joint(0.1575, Z, 170.0),
+        joint(0.2025, Y, 120.0),
+        joint(0.2045, Z, 170.0),
+        joint(0.2155, [0.0, -1.0, 0.0], 120.0),
+        joint(0.1845, Z, 170.0),
+        joint(0.2155, Y, 120.0),
+        joint(0.081, Z, 175.0),
+    ];
+    chain(([0.0; 3], [0.0; 3]), &joints, ([0.0, 0.0, 0.1], [0.0; 3]))
+}
+
+/// A Fetch: a torso that slides, and seven joints with an offset at the shoulder.
+pub fn fetch() -> Robot {
+    use std::f64::consts::PI;
+    const X: [f64; 3] = [1.0, 0.0, 0.0];
+    const Y: [f64; 3] = [0.0, 1.0, 0.0];
+    const Z: [f64; 3] = [0.0, 0.0, 1.0];
+    let turns = |xyz, axis, limits| Joint { kind: "revolute", xyz, rpy: [0.0; 3], axis, limits };
+    let joints = [
+        Joint { kind: "prismatic", xyz: [-0.087, 0.0, 0.378], rpy: [0.0; 3], axis: Z, limits: [0.0, 0.386] },
+        turns([0.1195, 0.0, 0.3486], Z, [-1.6056, 1.6056]),
+        turns([0.117, 0.0, 0.06], Y, [-1.221, 1.518]),
+        turns([0.219, 0.0, 0.0], X, [-PI, PI]),
+        turns([0.133, 0.0, 0.0], Y, [-2.251, 2.251]),
+        turns([0.197, 0.0, 0.0], X, [-PI, PI]),
+        turns([0.1245, 0.0, 0.0], Y, [-2.16, 2.16]),
+        turns([0.1385, 0.0, 0.0], X, [-PI, PI]),
+    ];
+    chain(([0.0; 3], [0.0; 3]), &joints, ([0.166, 0.0, 0.0], [0.0; 3]))
+}
+
+/// A Kinova Jaco 2 with six joints and a wrist whose axes do not meet.
+pub fn jaco() -> Robot {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let joint = |xyz, rpy, limits| Joint { kind: "revolute", xyz, rpy, axis: [0.0, 0.0, 1.0], limits };
+    let round = [-2.0 * PI, 2.0 * PI];
+    let joints = [
+        joint([0.0, 0.0, 0.15675], [0.0, PI, 0.0], round),
+        joint([0.0, 0.0016, -0.11875], [-FRAC_PI_2, 0.0, PI], [0.82, 5.46]),
+        joint([0.0, -0.41, 0.0], [0.0, PI, 0.0], [0.33, 5.95]),
+        joint([0.0, 0.2073, -0.0114], [-FRAC_PI_2, 0.0, PI], round),
+        joint([0.0, 0.0, -0.10375], [FRAC_PI_2, 0.0, PI], [0.52, 5.76]),
+        joint([0.0, 0.10375, 0.0], [-FRAC_PI_2, 0.0, PI], round),
+    ];
+    chain(([0.0; 3], [0.0; 3]), &joints, ([0.0, 0.0, -0.16], [PI, 0.0, 0.0]))
 }

@@ -6,7 +6,7 @@ use crate::{Curve, Limits, Posture, Timed};
 use std::ops::Range;
 
 /// What rows are made of.
-pub struct Sampler<'a> {
+pub struct RowMaker<'a> {
     pub curve: &'a Curve,
     /// The pieces moved along.
     pub part: Range<usize>,
@@ -38,7 +38,7 @@ fn even(duration: f64, count: usize) -> Vec<f64> {
     (0..=count).map(|k| duration * k as f64 / count as f64).collect()
 }
 
-impl Sampler<'_> {
+impl RowMaker<'_> {
     /// Steps from row to row that a motion needs.
     pub fn count(&self, duration: f64) -> usize {
         // Not one more for rounding.

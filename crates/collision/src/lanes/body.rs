@@ -1,0 +1,305 @@
+//! The robot as the kernel sees it: a chain of frames, spheres seated on them in parts, and the
+//! pairs of parts that could ever meet.
+
+use super::chain::Chain;
+use super::never::Relative;
+use super::vector::{LANES, Lanes};
+use clearway_geometry::{Pose, Vec3};
+use clearway_robot::{Group, Motion, Sphere, bounding_sphere};
+use std::ops::Range;
+
+/// A ball in a frame of the chain, metres.
+#[derive(Clone, Copy, Debug)]
+pub struct Ball {
+    pub centre: [f32; 3],
+    pub radius: f32,
+}
+
+/// Some neighbouring spheres of one link.
+#[derive(Clone, Debug)]
+pub struct Part {
+    pub link: usize,
+    pub frame: usize,
+    /// Holds them all.
+    pub bound: Ball,
+    /// Into [`Body::balls`].
+    pub balls: Range<usize>,
+}
+
+/// Two parts that could meet.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    pub a: usize,
+    pub b: usize,
+    /// The sum of the bounds' radii.
+    pub bound: f32,
+    /// Into [`Body::rows`].
+    pub rows: Range<usize>,
+}
+
+/// One ball of a pair's part `a`, and the balls of `b` that it could meet.
+#[derive(Clone, Debug)]
+pub struct Row {
+    pub ball: usize,
+    /// Its radius and that of `b`'s bound, added up.
+    pub guard: f32,
+    /// Into [`Body::partners`].
+    pub partners: Range<usize>,
+}
+
+/// A ball of a pair's part `b`, and the sum of both radii.
+#[derive(Clone, Copy, Debug)]
+pub struct Partner {
+    pub ball: usize,
+    pub sum: f32,
+}
+
+/// How parts and pairs are made.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Links closer than this touch, metres.
+    pub self_margin: f64,
+    /// Links are cut into parts until their bounding spheres are smaller than this, metres …
+    pub part_radius: f64,
+    /// … or they have no more spheres than this.
+    pub part_balls: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { self_margin: 0.0, part_radius: 0.13, part_balls: 6 }
+    }
+}
+
+/// A robot ready for the kernel.
+#[derive(Clone, Debug)]
+pub struct Body {
+    pub chain: Chain,
+    pub parts: Vec<Part>,
+    pub balls: Vec<Ball>,
+    pub pairs: Vec<Pair>,
+    pub rows: Vec<Row>,
+    pub partners: Vec<Partner>,
+    /// By variable, then by group of sixteen: how far a unit of the variable moves the middles of
+    /// a part's balls, at most; parts first, then pairs, whose parts are seen from each other.
+    pub reach: Vec<Vec<Lanes>>,
+    /// By group of sixteen: the least radius of a part's balls, of a pair's sums.
+    pub least: Vec<Lanes>,
+    /// Pairs of links never checked.
+    pub unchecked: Vec<(usize, usize)>,
+    pub self_margin: f32,
+}
+
+impl Body {
+    /// `spheres` by link, in the links' frames. Links without spheres are not seen.
+    pub fn new(group: &Group, spheres: &[Vec<Sphere>], unchecked: Vec<(usize, usize)>, settings: &Settings) -> Body {
+        let chain = Chain::new(&group.kinematics);
+        let mut body = Body {
+            chain,
+            parts: Vec::new(),
+            balls: Vec::new(),
+            pairs: Vec::new(),
+            rows: Vec::new(),
+            partners: Vec::new(),
+            reach: Vec::new(),
+            least: Vec::new(),
+            unchecked,
+            self_margin: settings.self_margin as f32,
+        };
+        let mut own: Vec<Vec<Sphere>> = Vec::new();
+        for (link, spheres) in spheres.iter().enumerate() {
+            let seat = body.chain.seats[link];
+            let mut seated: Vec<Sphere> = spheres
+                .iter()
+                .map(|s| Sphere { centre: seat.frame_from_link.point(s.centre), radius: s.radius })
+                .collect();
+            divide(&mut seated, settings, &mut |spheres| {
+                own.push(spheres.to_vec());
+                body.add_part(link, seat.frame, spheres);
+            });
+        }
+        body.add_pairs(group, &own, settings);
+        body.measure(group);
+        body
+    }
+
+    fn add_part(&mut self, link: usize, frame: usize, spheres: &[Sphere]) {
+        let from = self.balls.len();
+        self.balls.extend(spheres.iter().map(ball));
+        self.parts.push(Part { link, frame, bound: ball(&bounding_sphere(spheres)), balls: from..self.balls.len() });
+    }
+
+    fn add_pairs(&mut self, group: &Group, own: &[Vec<Sphere>], settings: &Settings) {
+        for a in 0..self.parts.len() {
+            for b in a + 1..self.parts.len() {
+                let (fa, fb) = (self.parts[a].frame, self.parts[b].frame);
+                let (la, lb) = (self.parts[a].link, self.parts[b].link);
+                if fa == fb || self.unchecked.contains(&(la.min(lb), la.max(lb))) {
+                    continue;
+                }
+                let relative = Relative::new(group, la, lb);
+                let met = relative.could_meet(&self.chain.seats, (la, &own[a]), (lb, &own[b]), settings.self_margin);
+                let from = self.rows.len();
+                for (i, partners) in met.into_iter().enumerate() {
+                    if partners.is_empty() {
+                        continue;
+                    }
+                    let first = self.partners.len();
+                    self.partners.extend(partners.into_iter().map(|j| Partner {
+                        ball: self.parts[b].balls.start + j,
+                        sum: (own[a][i].radius + own[b][j].radius) as f32,
+                    }));
+                    self.rows.push(Row {
+                        ball: self.parts[a].balls.start + i,
+                        guard: own[a][i].radius as f32 + self.parts[b].bound.radius,
+                        partners: first..self.partners.len(),
+                    });
+                }
+                if self.rows.len() > from {
+                    let bound = self.parts[a].bound.radius + self.parts[b].bound.radius;
+                    self.pairs.push(Pair { a, b, bound, rows: from..self.rows.len() });
+                }
+            }
+        }
+    }
+
+    /// Parts, then pairs.
+    pub fn entities(&self) -> usize {
+        self.parts.len() + self.pairs.len()
+    }
+
+    /// The same robot with spheres added to a link (in its frame): what a hand holds. They are
+    /// checked against all links but `beside`.
+    pub fn with_attached(&self, group: &Group, link: usize, spheres: &[Sphere], beside: &[usize], settings: &Settings) -> Body {
+        let mut body = self.clone();
+        let seat = self.chain.seats[link];
+        let mut seated: Vec<Sphere> =
+            spheres.iter().map(|s| Sphere { centre: seat.frame_from_link.point(s.centre), radius: s.radius }).collect();
+        let first = body.parts.len();
+        divide(&mut seated, settings, &mut |spheres| body.add_part(link, seat.frame, spheres));
+        for a in 0..first {
+            if body.parts[a].frame == seat.frame || beside.contains(&body.parts[a].link) {
+                continue;
+            }
+            for b in first..body.parts.len() {
+                let from = body.rows.len();
+                for i in body.parts[a].balls.clone() {
+                    let first = body.partners.len();
+                    let sum = |j: usize| body.balls[i].radius + body.balls[j].radius;
+                    body.partners.extend(body.parts[b].balls.clone().map(|j| Partner { ball: j, sum: sum(j) }));
+                    let guard = body.balls[i].radius + body.parts[b].bound.radius;
+                    body.rows.push(Row { ball: i, guard, partners: first..body.partners.len() });
+                }
+                let bound = body.parts[a].bound.radius + body.parts[b].bound.radius;
+                body.pairs.push(Pair { a, b, bound, rows: from..body.rows.len() });
+            }
+        }
+        body.measure(group);
+        body
+    }
+
+    fn measure(&mut self, group: &Group) {
+        let variables = self.chain.joints + 1;
+        let groups = self.entities().div_ceil(LANES);
+        self.reach = vec![vec![Lanes::ZERO; groups]; variables];
+        self.least = vec![Lanes::splat(1.0); groups];
+        let middle = |ball: &Ball| Vec3::from_array(ball.centre.map(f64::from));
+        let reaches: Vec<Vec<f64>> = self
+            .parts
+            .iter()
+            .map(|part| {
+                let points: Vec<Vec3> = self.balls[part.balls.clone()].iter().chain([&part.bound]).map(middle).collect();
+                reach_of(group, part.link, &self.chain.seats[part.link].frame_from_link, &points)
+            })
+            .collect();
+        for (entity, part) in self.parts.iter().enumerate() {
+            let least = self.balls[part.balls.clone()].iter().map(|b| b.radius).fold(f32::MAX, f32::min);
+            self.least[entity / LANES].0[entity % LANES] = least;
+            for (variable, reach) in reaches[entity].iter().enumerate() {
+                self.reach[variable][entity / LANES].0[entity % LANES] = *reach as f32;
+            }
+        }
+        for (i, pair) in self.pairs.iter().enumerate() {
+            let entity = self.parts.len() + i;
+            let apart = self.chain.moved_by[self.parts[pair.a].frame] ^ self.chain.moved_by[self.parts[pair.b].frame];
+            let partners = self.rows[pair.rows.clone()].iter().flat_map(|r| &self.partners[r.partners.clone()]);
+            self.least[entity / LANES].0[entity % LANES] = partners.map(|p| p.sum).fold(f32::MAX, f32::min);
+            for variable in (0..variables).filter(|v| apart >> v & 1 == 1) {
+                let reach = reaches[pair.a][variable].max(reaches[pair.b][variable]);
+                self.reach[variable][entity / LANES].0[entity % LANES] = reach as f32;
+            }
+        }
+    }
+}
+
+fn ball(s: &Sphere) -> Ball {
+    Ball { centre: s.centre.to_array().map(|x| x as f32), radius: s.radius as f32 }
+}
+
+/// Cuts across the longest side until the parts are small.
+fn divide(spheres: &mut [Sphere], settings: &Settings, found: &mut impl FnMut(&[Sphere])) {
+    if spheres.is_empty() {
+        return;
+    }
+    if spheres.len() <= settings.part_balls || bounding_sphere(spheres).radius <= settings.part_radius {
+        found(spheres);
+        return;
+    }
+    let (min, max) = spheres
+        .iter()
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), s| (a.min(s.centre), b.max(s.centre)));
+    let size = max - min;
+    let axis = if size.x >= size.y && size.x >= size.z { 0 } else if size.y >= size.z { 1 } else { 2 };
+    spheres.sort_by(|a, b| a.centre[axis].total_cmp(&b.centre[axis]));
+    let (left, right) = spheres.split_at_mut(spheres.len() / 2);
+    divide(left, settings, found);
+    divide(right, settings, found);
+}
+
+/// By variable: how far a unit of it moves any of `points` (in the frame that carries `link`), at
+/// most; 0 where it does not. From the point inwards, lengths along the chain are added up; the
+/// first turning joint counts only what is across its own axis.
+fn reach_of(group: &Group, link: usize, frame_from_link: &Pose, points: &[Vec3]) -> Vec<f64> {
+    let mut most: Vec<f64> = vec![0.0; group.kinematics.arm_joints + 1];
+    let steps = group.kinematics.steps();
+    let in_link: Vec<Vec3> = points.iter().map(|p| frame_from_link.inverse_point(*p)).collect();
+    for p in in_link {
+        // Joints that mimic one another add up.
+        let mut reach = vec![0.0; most.len()];
+        let mut at = link;
+        let mut point = p;
+        // Once a joint has turned, only the distance from the frame's origin is known.
+        let mut known = true;
+        let mut length = 0.0;
+        while at != 0 {
+            let step = &steps[at];
+            match step.motion {
+                Motion::Still => {}
+                Motion::Turn { axis, source } => {
+                    let radius = if known { point.reject_from_normalized(axis.normalize()).length() } else { length };
+                    if known {
+                        (length, known) = (point.length(), false);
+                    }
+                    reach[source.variable] += radius * source.multiplier.abs();
+                }
+                Motion::Slide { source, .. } => {
+                    if known {
+                        (length, known) = (point.length(), false);
+                    }
+                    let (low, high) = group.range(source.variable);
+                    let far = |v: f64| (source.multiplier * v + source.offset).abs();
+                    length += far(low).max(far(high));
+                    reach[source.variable] += source.multiplier.abs();
+                }
+            }
+            if known {
+                point = step.parent_from_joint.point(point);
+            } else {
+                length += step.parent_from_joint.translation.length();
+            }
+            at = step.parent;
+        }
+        most.iter_mut().zip(reach).for_each(|(m, r)| *m = m.max(r));
+    }
+    most
+}

@@ -1,0 +1,103 @@
+//! The same spheres, asked one configuration at a time in f64, with names: what touches what.
+//! Slow beside the kernel; for ends of motions, for messages and as the tests' oracle.
+
+use clearway_geometry::distance::closer_than;
+use clearway_geometry::{Convex, Pose};
+use clearway_robot::{Group, Sphere};
+
+/// What a configuration touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Contact {
+    /// Two links, by index.
+    Links(usize, usize),
+    /// A link, and an obstacle by its number.
+    Obstacle(usize, usize),
+}
+
+/// The first thing that the spheres of a configuration touch; `obstacles` are in the root frame.
+pub fn contact(
+    group: &Group,
+    spheres: &[Vec<Sphere>],
+    unchecked: &[(usize, usize)],
+    obstacles: &[(Pose, Convex)],
+    q: &[f64],
+    margin: f64,
+) -> Option<Contact> {
+    let mut frames = Vec::new();
+    group.kinematics.frames(q, group.hand[0], &mut frames);
+    let placed: Vec<Vec<Sphere>> = spheres
+        .iter()
+        .zip(&frames)
+        .map(|(own, frame)| own.iter().map(|s| Sphere { centre: frame.point(s.centre), ..*s }).collect())
+        .collect();
+    for (number, (pose, convex)) in obstacles.iter().enumerate() {
+        for (link, own) in placed.iter().enumerate() {
+            let near = |s: &Sphere| {
+                let point = Convex::Sphere { radius: 0.0 };
+                closer_than(&point, &Pose::from_translation(s.centre), convex, pose, s.radius + margin)
+            };
+            if own.iter().any(near) {
+                return Some(Contact::Obstacle(link, number));
+            }
+        }
+    }
+    for a in 0..placed.len() {
+        for b in a + 1..placed.len() {
+            if unchecked.contains(&(a, b)) {
+                continue;
+            }
+            let near = |s: &Sphere| placed[b].iter().any(|t| s.centre.distance(t.centre) < s.radius + t.radius + margin);
+            if placed[a].iter().any(near) {
+                return Some(Contact::Links(a, b));
+            }
+        }
+    }
+    None
+}
+
+/// Which pairs of links need no check: those that the SRDF names, those that do not move against
+/// each other, and those that touch in every one of some postures spread over the joints' ranges.
+/// Without an SRDF, links joined by a joint as well.
+pub fn unchecked_pairs(group: &Group, spheres: &[Vec<Sphere>]) -> Vec<(usize, usize)> {
+    const SAMPLES: usize = 128;
+    let still = |a: usize, b: usize| {
+        group.kinematics.moved_by[a] == group.kinematics.moved_by[b]
+            && group.kinematics.moved_by_hand[a] == group.kinematics.moved_by_hand[b]
+    };
+    let shaped: Vec<usize> = (0..spheres.len()).filter(|&l| !spheres[l].is_empty()).collect();
+    let mut unchecked = Vec::new();
+    let mut asked = Vec::new();
+    for (n, &a) in shaped.iter().enumerate() {
+        for &b in &shaped[n + 1..] {
+            let named = group.disabled_pairs.contains(&(a, b));
+            if named || still(a, b) || group.disabled_pairs.is_empty() && group.adjacent(a, b) {
+                unchecked.push((a, b));
+            } else {
+                asked.push((a, b));
+            }
+        }
+    }
+    let mut frames = Vec::new();
+    for sample in 0..SAMPLES {
+        if asked.is_empty() {
+            break;
+        }
+        // An additive sequence spreads the postures evenly.
+        let q: Vec<f64> = (0..group.lower.len())
+            .map(|j| {
+                let (low, high) = group.range(j);
+                low + (high - low) * (0.5 + (sample + 1) as f64 * (0.754_877_666 + 0.137 * j as f64).fract()).fract()
+            })
+            .collect();
+        group.kinematics.frames(&q, group.hand[0], &mut frames);
+        asked.retain(|&(a, b)| {
+            spheres[a].iter().any(|s| {
+                let at = frames[a].point(s.centre);
+                spheres[b].iter().any(|t| at.distance(frames[b].point(t.centre)) < s.radius + t.radius)
+            })
+        });
+    }
+    unchecked.extend(asked);
+    unchecked.sort_unstable();
+    unchecked
+}

@@ -1,0 +1,98 @@
+//! A moment as the kernel sees it: quick answers about the robot's links that err towards
+//! *touching*. What is held is left out: flat bottoms that slide over a shelf are no affair of
+//! spheres.
+//!
+//! What is called free here is free of the exact shapes, too, margins included, for the spheres
+//! cover the links. Where the answer is *touching*, ask [`World`].
+
+use crate::lanes::{Around, Kernel, LANES, Lanes, Obstacles, Piece, Scratch, Upright};
+use crate::moment::Moment;
+use crate::obstacle::PlacedPart;
+use crate::world::World;
+use clearway_geometry::{Pose, Solid};
+
+/// What the kernel is asked with; a macro, so that only these fields are borrowed.
+macro_rules! around {
+    ($quick:expr) => {
+        Around {
+            obstacles: &$quick.obstacles,
+            standing: &$quick.standing,
+            margin: $quick.margin,
+            hand: $quick.hand,
+            upright: $quick.upright,
+            never: &$quick.never,
+        }
+    };
+}
+
+/// The world at one moment, what is held left out. Cheap to make: a microsecond per shape.
+pub struct Quick<'a> {
+    kernel: &'a Kernel,
+    obstacles: Obstacles,
+    standing: Vec<u16>,
+    margin: f32,
+    hand: f32,
+    upright: Option<Upright>,
+    never: Vec<Vec<u16>>,
+    pub scratch: Scratch,
+    joints: Vec<Lanes>,
+}
+
+impl<'a> Quick<'a> {
+    pub fn new(world: &'a World, moment: &Moment) -> Self {
+        let mut pieces: Vec<Piece> = Vec::new();
+        let mut add = |parts: &[PlacedPart], owner: usize| {
+            let solid = Solid { parts: parts.iter().map(|p| (p.root_from_part, p.convex.clone())).collect() };
+            pieces.extend(Piece::of_solid(&solid, &Pose::IDENTITY, owner as u32));
+        };
+        let fixtures = world.fixtures.len();
+        world.fixtures.iter().enumerate().for_each(|(i, f)| add(&f.parts, i));
+        moment.standing.iter().for_each(|id| add(&world.objects[id.index()].parts, fixtures));
+        moment.placed.iter().for_each(|(_, o)| add(&o.parts, fixtures));
+        let obstacles = Obstacles::new(pieces);
+        let mut standing = Vec::new();
+        obstacles.mask(|_| true, &mut standing);
+        let kernel = &world.kernel;
+        let upright = moment.lean.map(|lean| {
+            let seat = kernel.body.chain.seats[world.kinematics.tool];
+            Upright {
+                frame: seat.frame,
+                axis: (seat.frame_from_link.rotation * lean.axis).to_array().map(|x| x as f32),
+                upward: lean.upward.to_array().map(|x| x as f32),
+                least: lean.least as f32,
+            }
+        });
+        let mut never = vec![Vec::new(); kernel.body.parts.len()];
+        for (part, never) in kernel.body.parts.iter().zip(&mut never) {
+            let apart = &world.apart[part.link];
+            if !apart.is_empty() {
+                obstacles.mask(|owner| apart.contains(&(owner as usize)), never);
+            }
+        }
+        let joints = vec![Lanes::ZERO; world.kinematics.arm_joints];
+        let scratch = kernel.scratch();
+        Self { kernel, obstacles, standing, margin: moment.margin as f32, hand: moment.hand as f32, upright, never, scratch, joints }
+    }
+
+    /// Whether the posture is surely free.
+    pub fn free(&mut self, q: &[f64]) -> bool {
+        for (lanes, q) in self.joints.iter_mut().zip(q) {
+            lanes.0 = [*q as f32; LANES];
+        }
+        let around = around!(self);
+        self.kernel.configurations_free(&self.joints, &around, &mut self.scratch) != 0
+    }
+
+    /// Whether the straight motion is surely free, with at least `per_radian` samples per radian.
+    pub fn motion_free(&mut self, a: &[f64], b: &[f64], per_radian: f64) -> bool {
+        let around = around!(self);
+        self.kernel.motion_free(a, b, per_radian, &around, &mut self.scratch)
+    }
+
+    /// Calls `unsure` with ranges of rows (both ends included) that are not surely free, lines
+    /// between them included.
+    pub fn rows_free(&mut self, rows: &[Vec<f64>], unsure: impl FnMut(usize, usize)) {
+        let around = around!(self);
+        self.kernel.rows_free(rows, &around, &mut self.scratch, unsure);
+    }
+}

@@ -1,0 +1,167 @@
+//! Plain motion planning: a robot of spheres, obstacles, a start and goals; a path.
+
+use crate::{Halton, Path, Posture, RrtSettings, SimplifySettings, SphereSpace, Trees, connect, length, simplify};
+use clearway_collision::lanes::exact::{Contact, contact, unchecked_pairs};
+use clearway_collision::lanes::{Around, Body, Kernel, Obstacles, Piece, Settings as BodySettings};
+use clearway_geometry::{Convex, Pose, Solid};
+use clearway_plan::{Budget, Stop};
+use clearway_robot::{Group, Sphere};
+use std::time::{Duration, Instant};
+
+/// How to plan.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    pub rrt: RrtSettings,
+    pub simplify: SimplifySettings,
+    /// Samples per radian of joint distance, at least; what lies between them is checked as well.
+    pub checks_per_rad: f64,
+    /// Where in the Halton sequence to begin: another value is another attempt.
+    pub skip: u32,
+    /// Closer than this to an obstacle counts as touching it, metres.
+    pub margin: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            rrt: RrtSettings { range: 1.0, iterations: 1_000_000, ..RrtSettings::default() },
+            simplify: SimplifySettings::default(),
+            checks_per_rad: 32.0,
+            skip: 0,
+            margin: 0.0,
+        }
+    }
+}
+
+impl Settings {
+    pub fn validate(&self) -> Result<(), String> {
+        self.rrt.validate()?;
+        if !(self.checks_per_rad >= 1.0 && self.checks_per_rad <= 1e4) {
+            return Err(format!("checks per radian are {}, must lie in 1..=10000", self.checks_per_rad));
+        }
+        if !(self.margin >= 0.0 && self.margin.is_finite()) {
+            return Err(format!("margin is {}, must not be negative", self.margin));
+        }
+        Ok(())
+    }
+}
+
+/// Something to keep clear of, in the root link's frame.
+#[derive(Clone, Debug)]
+pub struct Obstacle {
+    pub name: String,
+    pub root_from_solid: Pose,
+    pub solid: Solid,
+}
+
+/// A robot of spheres, ready to plan for among any obstacles.
+#[derive(Clone, Debug)]
+pub struct MotionPlanner {
+    pub group: Group,
+    /// By link, in its frame.
+    pub spheres: Vec<Vec<Sphere>>,
+    pub kernel: Kernel,
+}
+
+/// Obstacles ready to plan among.
+#[derive(Clone, Debug)]
+pub struct Surroundings {
+    pub obstacles: Vec<Obstacle>,
+    /// Part by part, with the number of its obstacle.
+    parts: Vec<(Pose, Convex)>,
+    owners: Vec<usize>,
+    indexed: Obstacles,
+    standing: Vec<u16>,
+}
+
+impl Surroundings {
+    pub fn new(obstacles: Vec<Obstacle>) -> Self {
+        let mut pieces = Vec::new();
+        let (mut parts, mut owners) = (Vec::new(), Vec::new());
+        for (number, obstacle) in obstacles.iter().enumerate() {
+            pieces.extend(Piece::of_solid(&obstacle.solid, &obstacle.root_from_solid, number as u32));
+            for (pose, convex) in &obstacle.solid.parts {
+                parts.push((obstacle.root_from_solid * *pose, convex.clone()));
+                owners.push(number);
+            }
+        }
+        let indexed = Obstacles::new(pieces);
+        let mut standing = Vec::new();
+        indexed.mask(|_| true, &mut standing);
+        Self { obstacles, parts, owners, indexed, standing }
+    }
+}
+
+/// A path, and what it took.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    pub path: Path,
+    pub initial_cost: f64,
+    pub cost: f64,
+    pub plan: Duration,
+    pub simplify: Duration,
+}
+
+impl MotionPlanner {
+    /// Covers the links with spheres where they are not spheres already.
+    pub fn new(group: Group) -> Self {
+        let spheres: Vec<Vec<Sphere>> = group.links.iter().map(|l| clearway_robot::cover_link(&l.collision)).collect();
+        let unchecked = unchecked_pairs(&group, &spheres);
+        let kernel = Kernel::new(Body::new(&group, &spheres, unchecked, &BodySettings::default()));
+        Self { group, spheres, kernel }
+    }
+
+    /// Why a configuration cannot be an end of a motion, if it cannot: a joint out of its limits, or
+    /// a collision, with names.
+    pub fn refusal(&self, q: &[f64], around: &Surroundings, margin: f64) -> Option<String> {
+        const ROUNDING: f64 = 1e-6;
+        if q.len() != self.group.names.len() {
+            return Some(format!("{} values for {} joints", q.len(), self.group.names.len()));
+        }
+        for ((name, v), (low, high)) in self.group.names.iter().zip(q).zip(self.group.lower.iter().zip(&self.group.upper)) {
+            if !(*low - ROUNDING..=*high + ROUNDING).contains(v) {
+                return Some(format!("joint {name} at {v} is out of its limits, {low} to {high}"));
+            }
+        }
+        let link = |l: usize| &self.group.links[l].name;
+        Some(match contact(&self.group, &self.spheres, &self.kernel.body.unchecked, &around.parts, q, margin)? {
+            Contact::Links(a, b) => format!("in collision: {} touches {}", link(a), link(b)),
+            Contact::Obstacle(l, part) => {
+                format!("in collision: {} touches {}", link(l), around.obstacles[around.owners[part]].name)
+            }
+        })
+    }
+
+    /// The joint space among some obstacles.
+    pub fn space<'a>(&'a self, around: &'a Surroundings, settings: &Settings) -> SphereSpace<'a> {
+        let all = Around {
+            obstacles: &around.indexed,
+            standing: &around.standing,
+            margin: settings.margin as f32,
+            hand: self.group.hand[0] as f32,
+            upright: None,
+            never: &[],
+        };
+        SphereSpace::new(&self.kernel, all, &self.group.lower, &self.group.upper, settings.checks_per_rad)
+    }
+
+    /// A path from `start` to one of `goals`, all of them free; `None` when the iterations ran out.
+    pub fn plan(
+        &self,
+        space: &mut SphereSpace,
+        start: &[f64],
+        goals: &[Posture],
+        settings: &Settings,
+        trees: &mut Trees,
+        budget: &Budget,
+    ) -> Result<Option<Solution>, Stop> {
+        let started = Instant::now();
+        let mut sampler = Halton::new(space, settings.skip);
+        let Some(path) = connect(space, start, goals, &mut sampler, &settings.rrt, trees, budget)? else { return Ok(None) };
+        let plan = started.elapsed();
+        let started = Instant::now();
+        let initial_cost = length(&path);
+        let path = simplify(space, path, &settings.simplify, budget)?;
+        Ok(Some(Solution { cost: length(&path), path, initial_cost, plan, simplify: started.elapsed() }))
+    }
+}

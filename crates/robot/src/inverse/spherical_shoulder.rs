@@ -1,0 +1,155 @@
+//! Closed-form inverse kinematics for seven turning joints of which the first three meet in a point,
+//! the shoulder, and the fifth and sixth in another, the wrist: Panda, FR3, xArm 7, iiwa, and any
+//! URDF of that build. The elbow's and the last joint's axes may lie beside those points.
+//!
+//! The arm has one joint more than a pose needs; a value for the last joint leaves up to eight
+//! postures. (He and Liu 2021 solve the Panda so, from its table of dimensions; here the axes are read
+//! off the URDF at the zero posture.) With q₇ the sixth link is known, so the wrist's place and the
+//! direction of axis 6. The distance from shoulder to wrist gives q₄. What is between then only turns
+//! about the line through both, until axes 5 and 6 are at their angle: two ways. The rest is read off:
+//! q₅ and q₆ at the wrist, q₂ twice and q₁, q₃ at the shoulder.
+
+use super::subproblems::{meeting_point, turn_onto, turn_to_height};
+use crate::Robot;
+use crate::kinematics::Kinematics;
+use clearway_geometry::{Mat3, Pose, Vec3};
+use std::f64::consts::TAU;
+
+/// Axes that pass each other by no more than this meet, metres: URDFs round their angles. What is
+/// missed by that is mended afterwards.
+const MEET: f64 = 2e-5;
+
+/// The arm's axes at the zero posture, in the root frame.
+#[derive(Clone, Debug)]
+pub struct SphericalShoulder {
+    /// Unit directions.
+    axis: [Vec3; 7],
+    /// Unit vectors across axes 3 and 6.
+    across: [Vec3; 2],
+    shoulder: Vec3,
+    /// From the shoulder to a point of axis 4, from there to the wrist, from there to one of axis 7.
+    step: [Vec3; 3],
+    /// The tool seen from that point.
+    zero_tool: Pose,
+    ranges: [Range; 7],
+}
+
+/// What a joint may be, whole turns aside.
+#[derive(Clone, Copy, Debug)]
+struct Range {
+    lower: f64,
+    span: f64,
+}
+
+impl Range {
+    fn holds(&self, q: f64) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        self.span >= TAU - ROUNDING || (q - self.lower + ROUNDING).rem_euclid(TAU) <= self.span + 2.0 * ROUNDING
+    }
+}
+
+impl SphericalShoulder {
+    /// The closed form for this arm, when it is built that way.
+    pub fn of(robot: &Robot, kinematics: &Kinematics) -> Option<Self> {
+        if kinematics.arm_joints != 7 || kinematics.moved_by_hand[kinematics.tool] {
+            return None;
+        }
+        let (mut frames, mut axes) = (Vec::new(), Vec::new());
+        kinematics.frames(&[0.0; 7], 0.0, &mut frames);
+        kinematics.axes(&frames, &mut axes);
+        if axes.iter().any(|a| a.slides) {
+            return None;
+        }
+        let meet = |i: usize, j: usize| {
+            meeting_point(axes[i].origin, axes[i].direction, axes[j].origin, axes[j].direction, MEET)
+        };
+        let (shoulder, wrist) = (meet(0, 1)?, meet(4, 5)?);
+        if (shoulder - axes[2].origin).cross(axes[2].direction).length() > MEET {
+            return None;
+        }
+        let axis: [Vec3; 7] = std::array::from_fn(|i| axes[i].direction);
+        let (elbow, last) = (axes[3].origin, axes[6].origin);
+        let tool = frames[kinematics.tool];
+        Some(Self {
+            axis,
+            across: [axis[2].any_orthonormal_vector(), axis[5].any_orthonormal_vector()],
+            shoulder,
+            step: [elbow - shoulder, wrist - elbow, last - wrist],
+            zero_tool: Pose::new(tool.rotation, tool.translation - last),
+            ranges: std::array::from_fn(|i| Range { lower: robot.lower[i], span: robot.upper[i] - robot.lower[i] }),
+        })
+    }
+
+    /// Hands `each` the postures, up to eight, that have `q7` as their last value and whose others are
+    /// within the joints' limits but for whole turns. None where a whole circle of them is.
+    pub fn solve_at(&self, root_from_tool: &Pose, q7: f64, mut each: impl FnMut([f64; 7])) {
+        let [h1, h2, h3, h4, h5, h6, h7] = self.axis;
+        let [to_elbow, to_wrist, to_last] = self.step;
+        // Rotations of the last link and of the one before, from the zero posture.
+        let turned = root_from_tool.rotation * self.zero_tool.rotation.transpose();
+        let sixth = turned * Mat3::from_axis_angle(h7, -q7);
+        let wrist = root_from_tool.translation - turned * self.zero_tool.translation - sixth * to_last;
+        let reach = wrist - self.shoulder;
+        let distance = reach.length();
+        if distance < 1e-9 {
+            return;
+        }
+        let wanted = (distance * distance - to_elbow.length_squared() - to_wrist.length_squared()) / 2.0;
+        let Some(fourths) = turn_to_height(to_elbow, h4, to_wrist, wanted) else { return };
+        let line = reach / distance;
+        let axis6 = sixth * h6;
+        // Axis 6 against the line from shoulder to wrist: along it, and across it.
+        let along6 = axis6.dot(line);
+        let across6 = axis6 - line * along6;
+        for q4 in fourths.into_iter().filter(|&q| self.ranges[3].holds(q)) {
+            let r4 = Mat3::from_axis_angle(h4, q4);
+            // The same line and axis 5, as the third link sees them.
+            let seen = (to_elbow + r4 * to_wrist) / distance;
+            let axis5 = r4 * h5;
+            let along5 = axis5.dot(seen);
+            let across5 = axis5 - seen * along5;
+            let sizes = across5.length() * across6.length();
+            let cosine = (h5.dot(h6) - along5 * along6) / sizes;
+            if sizes < 1e-9 || cosine.abs() > 1.0 + 1e-9 {
+                continue;
+            }
+            let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+            let third_from_line = frame(seen, across5).transpose();
+            let (u, v) = (across6.normalize(), line.cross(across6).normalize());
+            for sine in [sine, -sine] {
+                let third = frame(line, u * cosine + v * sine) * third_from_line;
+                let fourth = third * r4;
+                let seen = fourth.transpose() * axis6;
+                let q5 = turn_onto(h5, h6, seen);
+                if !self.ranges[4].holds(q5) {
+                    continue;
+                }
+                let fifth = fourth * Mat3::from_axis_angle(h5, q5);
+                let q6 = turn_onto(h6, self.across[1], fifth.transpose() * (sixth * self.across[1]));
+                if !self.ranges[5].holds(q6) {
+                    continue;
+                }
+                let axis3 = third * h3;
+                let Some(seconds) = turn_to_height(h1, h2, h3, h1.dot(axis3)) else { continue };
+                for q2 in seconds.into_iter().filter(|&q| self.ranges[1].holds(q)) {
+                    let r2 = Mat3::from_axis_angle(h2, q2);
+                    let q1 = turn_onto(h1, r2 * h3, axis3);
+                    if !self.ranges[0].holds(q1) {
+                        continue;
+                    }
+                    let second = Mat3::from_axis_angle(h1, q1) * r2;
+                    let q3 = turn_onto(h3, self.across[0], second.transpose() * (third * self.across[0]));
+                    if self.ranges[2].holds(q3) {
+                        each([q1, q2, q3, q4, q5, q6, q7]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The right-handed frame with x along `x`, of unit length, and y along `y`, across it.
+fn frame(x: Vec3, y: Vec3) -> Mat3 {
+    let y = y.normalize();
+    Mat3::from_cols(x, y, x.cross(y))
+}
