@@ -103,6 +103,15 @@ def too_hard(plan):
     plan["robot"]["limits"]["acceleration"]["z"] = 2.0
 
 
+def too_sudden(plan):
+    """The cosines of `mini_plan` start with their full acceleration."""
+    plan["robot"]["limits"]["jerk"] = {"x": 1e4, "y": 50.0, "z": 1e4}
+
+
+def jerk_of_one_joint_missing(plan):
+    plan["robot"]["limits"]["jerk"] = {"x": 1e4, "y": 1e4}
+
+
 def starts_moving(plan):
     """The first motion from its middle: within the limits inside, not at rest before."""
     s, middle = segment(plan, 0, 0), len(segment(plan, 0, 0)["times"]) // 2
@@ -342,6 +351,8 @@ FAULTS = [
     (too_fast, "velocity"),
     (faster_than_the_urdf, "velocity"),
     (too_hard, "acceleration"),
+    (too_sudden, "jerk"),
+    (jerk_of_one_joint_missing, "jerk"),
     (starts_moving, "acceleration"),
     (stops_dead, "acceleration"),
     (runs_on_at_a_border, "acceleration"),
@@ -401,6 +412,7 @@ ALONE = {
     drop_a_row: {"times"},
     too_fast: {"velocity"},
     too_hard: {"acceleration"},
+    too_sudden: {"jerk"},
     starts_elsewhere: {"start"},
     pair_that_hardly_touches: {"unchecked"},
     removed_in_another_order: {"removed"},

@@ -4,23 +4,31 @@
 //! [`clearway_collision::World`] at one [`clearway_collision::Moment`].
 
 mod curve;
+mod differences;
+mod law;
+mod pace;
 mod planner;
+mod reach;
+mod rows;
 mod rrt_connect;
 mod sampler;
 mod shortcut;
 mod simplify;
+mod smooth;
 mod space;
 mod sphere_space;
 mod timing;
 mod tree;
 mod validator;
 
-pub use curve::{Curve, smooth};
+pub use curve::{Corners, Curve};
+pub use differences::slowdowns;
 pub use planner::{MotionPlanner, Obstacle, Settings as MotionSettings, Solution, Surroundings};
 pub use rrt_connect::{Settings as RrtSettings, Trees, connect};
 pub use sampler::{Halton, NearEnds, Sampler};
 pub use shortcut::shorten;
 pub use simplify::{Settings as SimplifySettings, simplify};
+pub use smooth::smooth;
 pub use space::{Space, Surely};
 pub use sphere_space::SphereSpace;
 pub use timing::{Limits, Timed, time_curve};

@@ -1,19 +1,23 @@
-//! Time-optimal timing of a curve under velocity and acceleration limits, by reachability analysis
-//! (Pham and Pham 2018): backwards the largest speeds from which one can still stop, forwards the
-//! largest acceleration that stays below them. From rest to rest.
+//! Timing of a curve under velocity, acceleration and jerk limits, from rest to rest.
 //!
-//! Constraints hold at both ends of every grid interval; pieces are quadratic, so the bend is
-//! constant in each. Rows are sampled evenly in time, which keeps second differences of the rows
-//! within the acceleration limit, as those are averages of it.
+//! First the time-optimal motion without jerk limits ([`crate::reach`]); if its rows keep to them
+//! nonetheless, that is it. Otherwise its mean over a window of time, which has bounded jerk, is
+//! taken as a spline ([`crate::law`]) and given the fastest pace that all limits allow
+//! ([`crate::pace`]), some rounds of it. Limits are held by the rows themselves ([`crate::rows`]):
+//! what is above one somewhere is slowed down there in the next round, and as a whole in the end.
 
-use crate::curve::{Curve, Piece};
-use crate::Posture;
+use crate::law::{Eased, Law, Paced, Spline};
+use crate::pace::{self, Bounds, Motion};
+use crate::rows::{RowMaker, Sampled};
+use crate::{Curve, Posture, reach};
+use std::ops::Range;
 
-/// Per joint: rad/s and rad/s² (m/s, m/s² for joints that slide).
+/// Per joint: rad/s, rad/s² and rad/s³ (m/s, m/s², m/s³ for joints that slide); may be infinite.
 #[derive(Clone, Debug)]
 pub struct Limits {
     pub velocity: Vec<f64>,
     pub acceleration: Vec<f64>,
+    pub jerk: Vec<f64>,
 }
 
 /// Rows in time; straight lines between them.
@@ -24,242 +28,136 @@ pub struct Timed {
     pub positions: Vec<Posture>,
 }
 
-/// Longest grid interval, in the curve's parameter (about radians).
-const GRID: f64 = 0.03;
-/// Part of the limits that is used: rounding and sampling must not cross them.
-const USED: f64 = 0.995;
+impl Timed {
+    pub fn duration(&self) -> f64 {
+        self.times.last().copied().unwrap_or(0.0)
+    }
+}
 
 /// Times a curve from rest to rest; rows at most `row` seconds apart. A curve of no length gives
 /// no rows.
 pub fn time_curve(curve: &Curve, limits: &Limits, row: f64) -> Timed {
     let mut timed = Timed::default();
-    let mut bounds = vec![0];
-    bounds.extend(&curve.stops);
-    bounds.push(curve.pieces.len());
-    for w in bounds.windows(2) {
-        if w[0] < w[1] {
-            append(&mut timed, &time_smooth(&curve.pieces[w[0]..w[1]], limits, row));
-        }
+    for part in curve.parts() {
+        append(&mut timed, time_part(curve, part, limits, row));
+    }
+    if let Some(last) = timed.positions.last_mut() {
+        last.copy_from_slice(curve.end());
     }
     timed
 }
 
-fn append(timed: &mut Timed, more: &Timed) {
-    let offset = timed.times.last().copied().unwrap_or(0.0);
+fn append(timed: &mut Timed, more: Timed) {
+    let offset = timed.duration();
     let skip = usize::from(!timed.times.is_empty());
     timed.times.extend(more.times.iter().skip(skip).map(|t| t + offset));
-    timed.positions.extend(more.positions.iter().skip(skip).cloned());
+    timed.positions.extend(more.positions.into_iter().skip(skip));
 }
 
-struct Interval<'a> {
-    piece: &'a Piece,
-    /// Parameter within the piece where it begins.
-    from: f64,
-    width: f64,
-}
+/// A slowdown of less is not worth looking for anything better.
+const GOOD: f64 = 1.002;
 
-fn time_smooth(pieces: &[Piece], limits: &Limits, row: f64) -> Timed {
-    let mut grid: Vec<Interval> = Vec::new();
-    for piece in pieces {
-        let count = ((piece.length / GRID).ceil() as usize).max(2);
-        let width = piece.length / count as f64;
-        grid.extend((0..count).map(|i| Interval { piece, from: width * i as f64, width }));
+fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Timed {
+    let acceleration = useful_acceleration(curve, part.clone(), limits);
+    let profile = reach::fastest(curve, part.clone(), &limits.velocity, &acceleration);
+    let maker = RowMaker { curve, part: part.clone(), limits, row };
+    let sudden = maker.sample(maker.count(profile.duration()), &profile);
+    if sudden.slowdown() <= GOOD {
+        return maker.slowed(sudden, &profile);
     }
-    let n = grid.len();
-    let constraints: Vec<Vec<Line>> = grid.iter().map(|i| acceleration_lines(i, limits)).collect();
-    // Squared speed that the velocity limits allow at each grid point.
-    let mut fastest = vec![f64::INFINITY; n + 1];
-    for (i, interval) in grid.iter().enumerate() {
-        for (end, t) in [(i, interval.from), (i + 1, interval.from + interval.width)] {
-            for (slope, v) in interval.piece.slope_at(t).iter().zip(&limits.velocity) {
-                if slope.abs() > 1e-12 {
-                    fastest[end] = fastest[end].min((USED * v / slope).powi(2));
-                }
-            }
+    // From no acceleration to the largest; no less than rows would show.
+    let longest = (0..curve.joints()).map(|j| acceleration[j] / limits.jerk[j]).fold(0.0, f64::max);
+    let window = longest.max(row).min(profile.duration());
+    let eased = Eased { profile: &profile, window };
+    let steps = ((eased.duration() / (STEP * row)).ceil() as usize).clamp(FEWEST, MOST);
+    let mut spline = Spline::new(steps, &eased);
+    let mut best: Option<(Paced, Sampled)> = None;
+    let mut bounds = Bounds { slower: vec![1.0; steps + 1], most: vec![f64::INFINITY; steps + 1] };
+    for weights in ROUNDS {
+        let x = pace::fastest(&motion(&spline, curve, &part), limits, &bounds, weights);
+        let paced = Paced::new(spline, x);
+        let found = maker.sample(maker.count(paced.duration()), &paced);
+        let good = found.slowdown() < 2.0 * GOOD - 1.0;
+        learn(&mut bounds, &found.excess, &paced);
+        spline = Spline::new(steps, &paced);
+        if best.as_ref().is_none_or(|b| found.slowed_duration() < b.1.slowed_duration()) {
+            best = Some((paced, found));
         }
-    }
-    // Backwards: from which squared speeds can the end be reached at rest?
-    let mut most = vec![0.0; n + 1];
-    for i in (0..n).rev() {
-        most[i] = largest_speed(&constraints[i], fastest[i], grid[i].width, most[i + 1]);
-    }
-    // Forwards, as fast as that allows.
-    let mut speed = vec![0.0; n + 1];
-    for i in 0..n {
-        let (low, high) = range(&constraints[i], speed[i], grid[i].width, most[i + 1]);
-        let push = if low <= high { high } else { (low + high) / 2.0 };
-        speed[i + 1] = (speed[i] + 2.0 * grid[i].width * push).clamp(0.0, most[i + 1]);
-    }
-    let mut clock = vec![0.0; n + 1];
-    for i in 0..n {
-        let sum = speed[i].max(0.0).sqrt() + speed[i + 1].max(0.0).sqrt();
-        clock[i + 1] = clock[i] + 2.0 * grid[i].width / sum.max(1e-9);
-    }
-    sample(&grid, &speed, &clock, row)
-}
-
-fn sample(grid: &[Interval], speed: &[f64], clock: &[f64], row: f64) -> Timed {
-    let total = clock[grid.len()];
-    let count = ((total / row).ceil() as usize).max(1);
-    let mut timed = Timed::default();
-    let mut i = 0;
-    for k in 0..=count {
-        let time = total * k as f64 / count as f64;
-        while i + 1 < grid.len() && clock[i + 1] <= time {
-            i += 1;
-        }
-        let interval = &grid[i];
-        let push = (speed[i + 1] - speed[i]) / (2.0 * interval.width);
-        let t = time - clock[i];
-        let along = (speed[i].sqrt() * t + push * t * t / 2.0).clamp(0.0, interval.width);
-        let along = if k == count { interval.width } else { along };
-        timed.times.push(time);
-        timed.positions.push(interval.piece.at(interval.from + along));
-    }
-    timed
-}
-
-/// `a·u + b·x ≤ c`, with u the acceleration and x the squared speed along the curve.
-#[derive(Clone, Copy)]
-struct Line {
-    a: f64,
-    b: f64,
-    c: f64,
-}
-
-fn acceleration_lines(interval: &Interval, limits: &Limits) -> Vec<Line> {
-    let mut lines = Vec::with_capacity(4 * limits.acceleration.len());
-    let at_start = interval.piece.slope_at(interval.from);
-    let at_end = interval.piece.slope_at(interval.from + interval.width);
-    for (j, most) in limits.acceleration.iter().enumerate() {
-        let bend = 2.0 * interval.piece.bend[j];
-        let c = USED * most;
-        // q̈ = q' u + q'' x, at the start and, with x + 2·width·u, at the end.
-        for (a, b) in [(at_start[j], bend), (at_end[j] + 2.0 * interval.width * bend, bend)] {
-            if a.abs() > 1e-12 || b.abs() > 1e-12 {
-                lines.push(Line { a, b, c });
-                lines.push(Line { a: -a, b: -b, c });
-            }
-        }
-    }
-    lines
-}
-
-/// The accelerations allowed at squared speed `x`, so that the next one is within `0..=next`.
-fn range(lines: &[Line], x: f64, width: f64, next: f64) -> (f64, f64) {
-    let ((low, _, _), (high, _, _)) = active(lines, x, width, next);
-    (low, high)
-}
-
-/// The highest lower and the lowest upper bound of u at `x`, each with its slope over x and offset.
-#[allow(clippy::type_complexity)]
-fn active(lines: &[Line], x: f64, width: f64, next: f64) -> ((f64, f64, f64), (f64, f64, f64)) {
-    let mut low = (-x / (2.0 * width), -1.0 / (2.0 * width), 0.0);
-    let mut high = ((next - x) / (2.0 * width), -1.0 / (2.0 * width), next / (2.0 * width));
-    for l in lines {
-        if l.a.abs() <= 1e-12 {
-            continue;
-        }
-        let bound = (l.c - l.b * x) / l.a;
-        if l.a > 0.0 && bound < high.0 {
-            high = (bound, -l.b / l.a, l.c / l.a);
-        } else if l.a < 0.0 && bound > low.0 {
-            low = (bound, -l.b / l.a, l.c / l.a);
-        }
-    }
-    (low, high)
-}
-
-/// The largest squared speed, at most `fastest`, that leaves an allowed acceleration. Bounds are
-/// lines over x, so low − high is convex: Newton's method from the right ends after a few steps.
-fn largest_speed(lines: &[Line], fastest: f64, width: f64, next: f64) -> f64 {
-    let mut x = fastest;
-    for l in lines {
-        if l.a.abs() <= 1e-12 && l.b > 0.0 {
-            x = x.min(l.c / l.b);
-        }
-    }
-    if !x.is_finite() {
-        x = 1e6;
-    }
-    for _ in 0..64 {
-        let (low, high) = active(lines, x, width, next);
-        if low.0 <= high.0 + 1e-12 {
-            return x.max(0.0);
-        }
-        let slope = low.1 - high.1;
-        if slope <= 0.0 {
-            break;
-        }
-        x = (high.2 - low.2) / slope;
-        if x <= 0.0 {
+        if good {
             break;
         }
     }
-    0.0
+    let plain = maker.sample(maker.count(eased.duration()), &eased);
+    let limit = sudden.slowed_duration().min(plain.slowed_duration());
+    match best {
+        Some((paced, found)) if found.slowed_duration() <= limit => maker.slowed(found, &paced),
+        _ if plain.slowed_duration() <= sudden.slowed_duration() => maker.slowed(plain, &eased),
+        _ => maker.slowed(sudden, &profile),
+    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Curve;
-
-    fn limits() -> Limits {
-        Limits { velocity: vec![2.0, 3.0], acceleration: vec![8.0, 8.0] }
+/// Bounds for the next round, whose nodes are even in this one's time: slower where rows were above a
+/// limit, or the step next to it. A little above comes from looking at nodes only, and is left to
+/// the constraints there; far above is what the nodes do not see, and there the pace itself is held.
+fn learn(bounds: &mut Bounds, excess: &[f64], paced: &Paced) {
+    const LITTLE: f64 = 1.08;
+    let steps = bounds.most.len() - 1;
+    let rows = (excess.len() - 1) as f64;
+    let row = |k: f64| (k / steps as f64).clamp(0.0, 1.0) * rows;
+    let before = std::mem::take(&mut bounds.most);
+    for k in 0..=steps {
+        let at = k as f64;
+        let above = excess[row(at - 1.0) as usize..=row(at + 1.0).ceil() as usize].iter().copied().fold(1.0, f64::max);
+        bounds.slower[k] *= above.min(LITTLE);
+        let (step, speed) = paced.pace(at / steps as f64 * paced.duration());
+        let known = before[step].min(before[step + 1]) / (speed * speed);
+        bounds.most.push(if above > LITTLE { known.min(1.0 / (above * above)) } else { known });
     }
+}
 
-    fn check(timed: &Timed, limits: &Limits) {
-        let (mut before, mut last_dt) = (vec![0.0; 2], 0.0);
-        for (w, t) in timed.positions.windows(2).zip(timed.times.windows(2)) {
-            let dt = t[1] - t[0];
-            assert!(dt > 0.0 && dt <= 0.02 + 1e-9);
-            for j in 0..2 {
-                let v = (w[1][j] - w[0][j]) / dt;
-                assert!(v.abs() <= limits.velocity[j] + 1e-9, "velocity {v}");
-                let a = (v - before[j]) / ((dt + last_dt) / 2.0);
-                assert!(a.abs() <= limits.acceleration[j] + 1e-9, "acceleration {a}");
-                before[j] = v;
-            }
-            last_dt = dt;
-        }
-        for j in 0..2 {
-            assert!((before[j] / (last_dt / 2.0)).abs() <= limits.acceleration[j] + 1e-9);
-        }
-    }
+/// The barrier's weight in each round: at first, and at last. After the first round the pace is
+/// nearly right.
+const ROUNDS: [(f64, f64); 5] = [(1.0, 0.002), (0.1, 0.002), (0.1, 0.002), (0.1, 0.002), (0.1, 0.002)];
 
-    #[test]
-    fn a_straight_line_takes_the_closed_form_time() {
-        // One joint moves 1 rad: 0.25 s up to 2 rad/s, the same down, 0.25 s at 2 rad/s.
-        let curve = Curve::through(&[vec![0.0, 0.0], vec![1.0, 0.0]], &[]);
-        let timed = time_curve(&curve, &limits(), 0.01);
-        let (v, a): (f64, f64) = (2.0 * USED, 8.0 * USED);
-        let expected = 2.0 * v / a + (1.0 - v * v / a) / v;
-        assert!((timed.times.last().unwrap() - expected).abs() < 0.01 * expected, "{:?}", timed.times.last());
-        check(&timed, &limits());
-    }
+/// Steps that the pace is chosen at: how long in rows, how few, how many.
+const STEP: f64 = 1.25;
+const FEWEST: usize = 24;
+const MOST: usize = 256;
 
-    #[test]
-    fn limits_hold_on_random_paths() {
-        for seed in 0..60 {
-            let path: Vec<Posture> = (0..8)
-                .map(|i| {
-                    let t = (seed * 8 + i) as f64;
-                    vec![2.0 * (t * 1.3).sin(), 1.5 * (t * 2.1).cos()]
-                })
-                .collect();
-            let cut: Vec<f64> = (0..6).map(|i| if (seed + i) % 5 == 0 { 0.0 } else { 1.0 / (1 + i % 3) as f64 }).collect();
-            let timed = time_curve(&Curve::through(&path, &cut), &limits(), 0.02);
-            check(&timed, &limits());
-            assert!(crate::distance(timed.positions.last().unwrap(), &path[7]) < 1e-9);
-            assert!(crate::distance(&timed.positions[0], &path[0]) < 1e-12);
+/// Acceleration that a joint can make use of: from rest to rest over some distance, jerk allows no
+/// more than (jerk² · distance / 2)^⅓.
+fn useful_acceleration(curve: &Curve, part: Range<usize>, limits: &Limits) -> Vec<f64> {
+    let n = curve.joints();
+    let mut travel = vec![0.0; n];
+    let (mut slope, mut bend) = (vec![0.0; n], vec![0.0; n]);
+    for piece in part {
+        let (from, to) = (curve.knots()[piece], curve.knots()[piece + 1]);
+        for s in [from, to] {
+            curve.slope_and_bend(piece, s, &mut slope, &mut bend);
+            travel.iter_mut().zip(&slope).for_each(|(t, s)| *t += s.abs() * (to - from) / 2.0);
         }
     }
+    (0..n)
+        .map(|j| {
+            let useful = (limits.jerk[j].powi(2) * travel[j]).cbrt();
+            if useful > 0.0 { limits.acceleration[j].min(useful) } else { limits.acceleration[j] }
+        })
+        .collect()
+}
 
-    #[test]
-    fn dense_waypoints_are_followed_smoothly() {
-        let path: Vec<Posture> = (0..=60).map(|i| vec![(i as f64 * 0.02).sin(), (i as f64 * 0.02).cos()]).collect();
-        let timed = time_curve(&Curve::through(&path, &vec![1.0; 59]), &limits(), 0.01);
-        check(&timed, &limits());
-        assert!(*timed.times.last().unwrap() < 1.2, "{:?}", timed.times.last());
+/// The motion of the joints when a spline leads along the curve.
+fn motion(spline: &Spline, curve: &Curve, part: &Range<usize>) -> Motion {
+    let (n, steps) = (curve.joints(), spline.steps());
+    let (mut slope, mut bend) = (vec![0.0; n], vec![0.0; n]);
+    let (first, second) = (Vec::with_capacity(n * steps), Vec::with_capacity(n * steps));
+    let mut motion = Motion { joints: n, step: spline.step, first, second };
+    let mut piece = part.start;
+    for k in 0..steps {
+        let (s, speed, push) = spline.at(k, 0.5);
+        piece = curve.piece_at(s, piece).min(part.end - 1);
+        curve.slope_and_bend(piece, s, &mut slope, &mut bend);
+        motion.first.extend(slope.iter().map(|q| q * speed));
+        motion.second.extend(slope.iter().zip(&bend).map(|(q, c)| c * speed * speed + q * push));
     }
+    motion
 }

@@ -94,11 +94,14 @@ pub struct PlannedRobot {
     pub meshes: Vec<MeshFile>,
 }
 
-/// By joint name: rad/s and rad/s², m/s and m/s² for joints that slide.
+/// By joint name: rad/s, rad/s² and rad/s³; m/s, m/s² and m/s³ for joints that slide.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct JointLimits {
     pub velocity: BTreeMap<String, f64>,
     pub acceleration: BTreeMap<String, f64>,
+    /// Missing if the plan promises nothing about jerk.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub jerk: Option<BTreeMap<String, f64>>,
 }
 
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]

@@ -251,7 +251,9 @@ impl<R: Rng> Carrier<'_, R> {
     /// Smooths and times a path, and checks every row. `resting_within`: near the path's ends, by
     /// this much of the tool's way, what is held may rest on what carries it.
     fn timed(&mut self, moment: &Moment, path: &Path, resting_within: Option<f64>, what: &'static str) -> Attempt<Timed> {
-        let limits = Limits { velocity: self.world.robot.velocity.clone(), acceleration: self.world.robot.acceleration.clone() };
+        let robot = &self.world.robot;
+        let limits =
+            Limits { velocity: robot.velocity.clone(), acceleration: robot.acceleration.clone(), jerk: robot.jerk.clone() };
         let mut lenient = moment.clone();
         lenient.resting = resting_within.is_some();
         let curve = smooth(&mut Space::quick(self.world, &lenient, self.settings.step), path);

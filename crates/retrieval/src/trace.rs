@@ -79,7 +79,11 @@ fn planned_robot(robot: &Robot, unchecked: &[[String; 2]], scene: &Scene) -> Pla
         tool: robot.links[hand.frame].name.clone(),
         fixed: robot.fixed.clone(),
         home: by_joint(&robot.home),
-        limits: JointLimits { velocity: by_joint(&robot.velocity), acceleration: by_joint(&robot.acceleration) },
+        limits: JointLimits {
+            velocity: by_joint(&robot.velocity),
+            acceleration: by_joint(&robot.acceleration),
+            jerk: Some(by_joint(&robot.jerk)),
+        },
         hand: PlannedHand {
             kind: if hand.kind == HandKind::Parallel { "parallel" } else { "suction" }.to_owned(),
             frame: robot.links[hand.frame].name.clone(),

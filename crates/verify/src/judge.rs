@@ -3,7 +3,7 @@
 use crate::case::Case;
 use crate::error::CannotJudge;
 use crate::report::{Report, ViolationKind};
-use crate::{carry, claims, collisions, gripper, limits, names, rows, steps, unchecked};
+use crate::{carry, claims, collisions, gripper, jerk, limits, names, rows, steps, unchecked};
 use clearway_plan::plan_file::{FORMAT, Status};
 use clearway_plan::{Budget, PlanFile};
 use std::path::Path;
@@ -39,6 +39,7 @@ pub fn verify(plan: &PlanFile, plan_directory: &Path, budget: &Budget) -> Result
     rows::check(plan, &case.model, &names, &tracks, &mut report);
     gripper::check(&case.model, &names, &tracks, &mut report);
     limits::check(plan, &case.model, &names, &tracks, &mut report);
+    jerk::check(plan, &case.model, &names, &tracks, &mut report);
     claims::check_region(plan, &case, &names, &tracks, &mut report);
     unchecked::check(plan, &case, &names, budget, &mut report)?;
     let Some(objects) = objects else { return Ok(report) };

@@ -14,7 +14,7 @@
 //! ```
 //!
 //! It does not judge: the proof of a lower bound (beyond the trivial one), stability of what stands,
-//! the force of a grip, jerk, and the motion of an object that is pushed without being attached.
+//! the force of a grip, and the motion of an object that is pushed without being attached.
 //! Those are listed in [`Report::not_checked`] where a plan has them.
 
 mod accept;
@@ -25,6 +25,7 @@ mod collisions;
 mod error;
 mod gap;
 mod gripper;
+mod jerk;
 mod judge;
 mod limits;
 mod meshes;

@@ -11,9 +11,8 @@ use crate::names::Names;
 use crate::report::{Place, Report, ViolationKind};
 use clearway_plan::PlanFile;
 
-const RELATIVE: f64 = 1.001;
-const ABSOLUTE: f64 = 1e-6;
-const ABSOLUTE_ACCELERATION: f64 = 1e-4;
+const SLACK: Slack = Slack { relative: 1.001, absolute: 1e-6 };
+const ACCELERATION_SLACK: Slack = Slack { relative: 1.001, absolute: 1e-4 };
 
 pub(crate) fn check(plan: &PlanFile, model: &Model, names: &Names, tracks: &[Track], report: &mut Report) {
     let limits = &plan.robot.limits;
@@ -25,7 +24,7 @@ pub(crate) fn check(plan: &PlanFile, model: &Model, names: &Names, tracks: &[Tra
         match limits.velocity.get(name) {
             Some(&limit) if limit.is_finite() && limit > 0.0 => {
                 if let Some(urdf) = data.velocity
-                    && limit > urdf * RELATIVE
+                    && limit > urdf * SLACK.relative
                 {
                     let what = format!("limits.velocity of {name} is {limit}; the URDF allows {urdf}");
                     report.plan(ViolationKind::DeclaredLimit, what);
@@ -35,7 +34,7 @@ pub(crate) fn check(plan: &PlanFile, model: &Model, names: &Names, tracks: &[Tra
                     ViolationKind::VelocityLimit,
                     speeds.iter().map(|s| (s.place, s.velocity.abs())),
                     limit,
-                    ABSOLUTE,
+                    SLACK,
                     |v| format!("{name} moves at {v:.4}/s; its limit is {limit}/s"),
                 );
             }
@@ -51,7 +50,7 @@ pub(crate) fn check(plan: &PlanFile, model: &Model, names: &Names, tracks: &[Tra
                     ViolationKind::AccelerationLimit,
                     accelerations(&speeds).into_iter(),
                     limit,
-                    ABSOLUTE_ACCELERATION,
+                    ACCELERATION_SLACK,
                     |a| format!("{name} accelerates at {a:.4}/s²; its limit is {limit}/s²"),
                 );
             }
@@ -66,7 +65,7 @@ pub(crate) fn check(plan: &PlanFile, model: &Model, names: &Names, tracks: &[Tra
 fn positions(model: &Model, joint: usize, tracks: &[Track], report: &mut Report) {
     let Some((low, high)) = model.joints[joint].range else { return };
     for track in tracks {
-        let outside = |row: &Vec<f64>| !(low - ABSOLUTE..=high + ABSOLUTE).contains(&row[joint]);
+        let outside = |row: &Vec<f64>| !(low - SLACK.absolute..=high + SLACK.absolute).contains(&row[joint]);
         if let Some(row) = track.postures.iter().position(outside) {
             let what = format!(
                 "{} at {:.5}; its limits are {low} to {high}",
@@ -78,15 +77,15 @@ fn positions(model: &Model, joint: usize, tracks: &[Track], report: &mut Report)
 }
 
 /// A joint's mean velocity over one interval.
-struct Speed {
+pub(crate) struct Speed {
     /// The row at the interval's end.
-    place: Place,
-    seconds: f64,
-    velocity: f64,
+    pub place: Place,
+    pub seconds: f64,
+    pub velocity: f64,
 }
 
 /// Intervals whose time does not rise are left out: they are reported as such.
-fn speeds(joint: usize, tracks: &[Track]) -> Vec<Speed> {
+pub(crate) fn speeds(joint: usize, tracks: &[Track]) -> Vec<Speed> {
     let of_track = |track: &Track| {
         (1..track.postures.len())
             .filter_map(|row| {
@@ -110,17 +109,26 @@ fn accelerations(speeds: &[Speed]) -> Vec<(Place, f64)> {
         .collect()
 }
 
+/// How far above a limit a value may be.
+#[derive(Clone, Copy)]
+pub(crate) struct Slack {
+    /// Factor.
+    pub relative: f64,
+    /// Besides.
+    pub absolute: f64,
+}
+
 /// Reports, for each segment, the value most above the limit.
-fn worst_by_segment(
+pub(crate) fn worst_by_segment(
     report: &mut Report,
     kind: ViolationKind,
     values: impl Iterator<Item = (Place, f64)>,
     limit: f64,
-    absolute: f64,
+    slack: Slack,
     say: impl Fn(f64) -> String,
 ) {
     let mut worst: Option<(Place, f64)> = None;
-    for (place, value) in values.filter(|(_, v)| *v > limit * RELATIVE + absolute) {
+    for (place, value) in values.filter(|(_, v)| *v > limit * slack.relative + slack.absolute) {
         match worst {
             Some((at, most)) if (at.step, at.segment) == (place.step, place.segment) => {
                 if value > most {

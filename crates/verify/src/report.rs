@@ -31,6 +31,7 @@ pub enum ViolationKind {
     PositionLimit,
     VelocityLimit,
     AccelerationLimit,
+    JerkLimit,
     /// The plan claims limits that the URDF does not grant, or none.
     DeclaredLimit,
     /// The mobile base outside `scene.robot.region`.

@@ -319,3 +319,14 @@ fn only_valid_plans_are_accepted() {
     let spent = Budget::unlimited().with_time(Duration::ZERO);
     assert!(matches!(accept(plan(9), Path::new(""), &spent), Err(Rejected::Unjudged(CannotJudge::Stopped(_)))));
 }
+
+#[test]
+fn jerk_is_judged_where_limits_of_it_are_given() {
+    for (limits, valid) in [(Some(1000.0), true), (Some(1.0), false), (Some(f64::NAN), false), (None, true)] {
+        let mut plan = plan(7);
+        plan.robot.limits.jerk = limits.map(|limit| plan.robot.joints.iter().map(|j| (j.clone(), limit)).collect());
+        let report = judge(&plan);
+        assert_eq!(report.is_valid(), valid, "{limits:?}: {report}");
+        assert_eq!(report.has(Kind::JerkLimit), limits == Some(1.0), "{limits:?}: {report}");
+    }
+}

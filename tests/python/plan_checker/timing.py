@@ -4,7 +4,8 @@ Velocity and acceleration are finite differences over the whole plan: segments f
 without a break, and the robot is at rest before the first row and after the last. The mean
 velocity between two rows never exceeds the true peak, and the difference of two neighbouring means
 over the time between their middles never exceeds the peak acceleration, so a plan within its
-limits passes; `tolerances.RATE_SLACK` is relative.
+limits passes; `tolerances.RATE_SLACK` is relative. So do third divided differences, times six, where
+the plan has limits of jerk; both ends count three times, to see accelerations that jump there.
 """
 
 from dataclasses import dataclass
@@ -148,11 +149,16 @@ def _check_rates(segments: list[Segment], robot: Robot, report: Report) -> None:
         if joint and top > joint.velocity * (1.0 + 1e-9):
             text = f"robot.limits allows {name} {top}, the URDF {joint.velocity}"
             report.add("velocity", "plan", text)
-        _check_rates_of(name, top, np.inf if hard is None else hard, segments, robot, report)
+        sudden = robot.limits.get("jerk")
+        if sudden is not None and name in robot.joints and name not in sudden:
+            report.add("jerk", "plan", f"robot.limits.jerk has no entry for {name}")
+        limits = top, np.inf if hard is None else hard, (sudden or {}).get(name, np.inf)
+        _check_rates_of(name, limits, segments, robot, report)
 
 
-def _check_rates_of(name, top, hard, segments, robot: Robot, report: Report) -> None:
+def _check_rates_of(name, limits, segments, robot: Robot, report: Report) -> None:
     """One joint: strides of all segments in one row, at rest before and after."""
+    top, hard, sudden = limits
     steps, gaps, places = [], [], []
     for segment in segments:
         if name in robot.joints:
@@ -184,3 +190,12 @@ def _check_rates_of(name, top, hard, segments, robot: Robot, report: Report) -> 
         end = " (at rest at both ends)" if row in (0, len(accelerations) - 1) else ""
         text = f"row {at}: {name} at {accelerations[row]:.3f}/s², {hard} allowed{end}"
         report.add("acceleration", where, text)
+    rates = np.concatenate([[0.0], rates, [0.0]])
+    gaps = np.concatenate([[0.0], gaps, [0.0]])
+    pairs = gaps[1:] + gaps[:-1]
+    halves = np.divide(np.diff(rates), pairs, out=np.zeros(len(pairs)), where=pairs > 0.0)
+    jerks = np.abs(6.0 * np.diff(halves) / (pairs[1:] + gaps[:-2]))
+    row = int(np.argmax(jerks))
+    if jerks[row] > sudden * (1.0 + tolerances.JERK_SLACK) + tolerances.JERK_ROUNDING:
+        where, at = places[max(0, min(row - 1, len(places) - 1))]
+        report.add("jerk", where, f"row {at}: {name} at {jerks[row]:.2f}/s³, {sudden} allowed")

@@ -19,6 +19,10 @@ LIMIT_SLACK = 1e-6
 """Radians or metres past a joint's position limit."""
 RATE_SLACK = 1e-3
 """Relative excess over a velocity or acceleration limit."""
+JERK_SLACK = 1e-2
+"""Relative excess over a jerk limit."""
+JERK_ROUNDING = 0.05
+"""Besides, per s³: rows rounded to eight digits, over 0.02 s cubed."""
 DISTANCE_SLACK = 2e-6
 """Metres that a distance may be off: see `distance`; a few times Coal's error."""
 UPRIGHT = 1e-3

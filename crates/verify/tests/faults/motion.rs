@@ -1,4 +1,4 @@
-//! Faults of motion: limits of position, velocity and acceleration.
+//! Faults of motion: limits of position, velocity, acceleration and jerk.
 
 use super::robot::Robot;
 use super::{Fault, Random, either_sign, moves, segment_of};
@@ -11,6 +11,8 @@ pub const FAULTS: fn() -> Vec<Fault> = || {
     vec![
         Fault { name: "velocity limit exceeded", expected: &[Kind::VelocityLimit], plant: too_fast },
         Fault { name: "acceleration limit exceeded", expected: &[Kind::AccelerationLimit], plant: too_sudden },
+        Fault { name: "jerk limit exceeded", expected: &[Kind::JerkLimit], plant: too_jerky },
+        Fault { name: "jerk limit exceeded by a start", expected: &[Kind::JerkLimit], plant: starts_moving },
         Fault { name: "a row out of line", expected: &[Kind::AccelerationLimit], plant: row_out_of_line },
         Fault {
             name: "waypoint dropped, times closed up",
@@ -64,6 +66,33 @@ fn too_sudden(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()>
     let factor = (random.random_range(1.02..2.0) / sudden).sqrt();
     plan.steps[i].segments[j].times.iter_mut().for_each(|t| *t /= factor);
     (factor > 1.0).then_some(())
+}
+
+/// A limit that one joint's motion is 2 % to twice over.
+fn too_jerky(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
+    let (i, j) = segment_of(plan, random, 5, moves)?;
+    let column = random.random_range(0..plan.robot.joints.len());
+    let segment = &plan.steps[i].segments[j];
+    // Third differences of even rows.
+    let seconds = segment.times[1];
+    let third = |w: &[Vec<f64>]| (w[3][column] - 3.0 * (w[2][column] - w[1][column]) - w[0][column]) / seconds.powi(3);
+    let most = segment.positions.windows(4).map(|w| third(w).abs()).fold(0.0, f64::max);
+    let name = plan.robot.joints[column].clone();
+    plan.robot.limits.jerk.as_mut()?.insert(name, most / random.random_range(1.02..2.0));
+    (most > 10.0).then_some(())
+}
+
+/// The first motion from its middle on: the robot starts with a jolt.
+fn starts_moving(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
+    let column = random.random_range(0..plan.robot.joints.len());
+    let segment = plan.steps.first_mut()?.segments.first_mut()?;
+    let middle = segment.times.len() / 2;
+    let speed = segment.positions[middle + 1][column] - segment.positions[middle][column];
+    let start = segment.times[middle];
+    segment.positions.drain(..middle);
+    segment.times.drain(..middle);
+    segment.times.iter_mut().for_each(|t| *t -= start);
+    (speed.abs() > 1e-3).then_some(())
 }
 
 /// One joint in one row out of line by what its acceleration limit allows in a row's time, or more.

@@ -206,9 +206,10 @@ fn unchecked_pair(plan: &mut PlanFile, robot: &Robot, random: &mut Random) -> Op
 
 fn limits_above_urdf(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
     let joint = pick(&plan.robot.joints, random)?;
-    match random.random_range(0..3) {
+    match random.random_range(0..4) {
         0 => *plan.robot.limits.velocity.get_mut(&joint)? *= 100.0,
         1 => drop(plan.robot.limits.velocity.remove(&joint)),
+        2 => drop(plan.robot.limits.jerk.as_mut()?.remove(&joint)),
         _ => drop(plan.robot.limits.acceleration.remove(&joint)),
     }
     Some(())

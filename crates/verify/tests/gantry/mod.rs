@@ -46,6 +46,8 @@ const OPEN: f64 = 0.045;
 const TRAY_TOP: f64 = 0.05;
 const VELOCITY: [f64; 4] = [1.0, 1.0, 1.0, 2.0];
 const ACCELERATION: [f64; 4] = [4.0, 4.0, 4.0, 8.0];
+/// Of the fifth-order polynomials, 60 · distance / time³: at their shortest (0.1 s) just within.
+const JERK: [f64; 4] = [420.0, 420.0, 420.0, 840.0];
 
 struct Object {
     body: Body,
@@ -175,7 +177,7 @@ fn robot() -> PlannedRobot {
         tool: "grasp_center".into(),
         fixed: BTreeMap::new(),
         home: by_joint([0.0; 4]),
-        limits: JointLimits { velocity: by_joint(VELOCITY), acceleration: by_joint(ACCELERATION) },
+        limits: JointLimits { velocity: by_joint(VELOCITY), acceleration: by_joint(ACCELERATION), jerk: Some(by_joint(JERK)) },
         hand: PlannedHand {
             kind: "parallel".into(),
             frame: "grasp_center".into(),
