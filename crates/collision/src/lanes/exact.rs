@@ -15,6 +15,7 @@ pub enum Contact {
 }
 
 /// The first thing that the spheres of a configuration touch; `obstacles` are in the root frame.
+/// `margin` is kept from them only. Links that no joint moves are mounted among them, and may touch.
 pub fn contact(
     group: &Group,
     spheres: &[Vec<Sphere>],
@@ -30,8 +31,9 @@ pub fn contact(
         .zip(&frames)
         .map(|(own, frame)| own.iter().map(|s| Sphere { centre: frame.point(s.centre), ..*s }).collect())
         .collect();
+    let moves = |link: usize| group.kinematics.moved_by[link] != 0 || group.kinematics.moved_by_hand[link];
     for (number, (pose, convex)) in obstacles.iter().enumerate() {
-        for (link, own) in placed.iter().enumerate() {
+        for (link, own) in placed.iter().enumerate().filter(|(link, _)| moves(*link)) {
             let near = |s: &Sphere| {
                 let point = Convex::Sphere { radius: 0.0 };
                 closer_than(&point, &Pose::from_translation(s.centre), convex, pose, s.radius + margin)
@@ -46,7 +48,7 @@ pub fn contact(
             if unchecked.contains(&(a, b)) {
                 continue;
             }
-            let near = |s: &Sphere| placed[b].iter().any(|t| s.centre.distance(t.centre) < s.radius + t.radius + margin);
+            let near = |s: &Sphere| placed[b].iter().any(|t| s.centre.distance(t.centre) < s.radius + t.radius);
             if placed[a].iter().any(near) {
                 return Some(Contact::Links(a, b));
             }
