@@ -58,14 +58,26 @@ class MeshRobot:
         poses = [self._pose(number) for number in range(self.own)]
         meshes = [shape.geometry for shape in self.shapes.geometryObjects]
         for a, b in pairs:
-            if coal.distance(meshes[a], poses[a], meshes[b], poses[b], coal.DistanceRequest(), coal.DistanceResult()) <= margin:
+            if (
+                coal.distance(
+                    meshes[a],
+                    poses[a],
+                    meshes[b],
+                    poses[b],
+                    coal.DistanceRequest(),
+                    coal.DistanceResult(),
+                )
+                <= margin
+            ):
                 yield a, b
 
     def touches(self, rows, problem: dict, margin: float = 0.0) -> bool:
         """Whether any row comes nearer than `margin` to the problem's spheres and boxes, which must
         not turn, or than an eighth of it to itself. A shape wholly inside a mesh is not seen."""
         stands = [(coal.Sphere(s["radius"]), s["position"]) for s in problem["sphere"]]
-        stands += [(coal.Box(*(2 * np.array(s["half_extents"]))), s["position"]) for s in problem["box"]]
+        stands += [
+            (coal.Box(*(2 * np.array(s["half_extents"]))), s["position"]) for s in problem["box"]
+        ]
         stands = [(shape, coal.Transform3s(np.eye(3), np.array(at))) for shape, at in stands]
         for row in rows:
             self._place(row)
@@ -76,7 +88,12 @@ class MeshRobot:
                     continue
                 for stand, at in stands:
                     request, result = coal.DistanceRequest(), coal.DistanceResult()
-                    if coal.distance(shape.geometry, self._pose(number), stand, at, request, result) <= margin:
+                    if (
+                        coal.distance(
+                            shape.geometry, self._pose(number), stand, at, request, result
+                        )
+                        <= margin
+                    ):
                         return True
         return False
 
@@ -85,6 +102,7 @@ class MeshRobot:
         random = np.random.default_rng(seed)
         made = []
         for index in range(1, count + 1):
+
             def things(kind, **size):
                 return [
                     {"name": f"{kind}{i}", "position": self._at(random), **size} for i in range(2)

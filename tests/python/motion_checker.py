@@ -61,7 +61,10 @@ def _pose(shape: dict) -> np.ndarray:
 class _Joint:
     def __init__(self, element) -> None:
         self.name, self.kind = element.get("name"), element.get("type")
-        self.parent, self.child = element.find("parent").get("link"), element.find("child").get("link")
+        self.parent, self.child = (
+            element.find("parent").get("link"),
+            element.find("child").get("link"),
+        )
         self.origin = _origin(element)
         axis = element.find("axis")
         self.axis = _numbers(axis.get("xyz") if axis is not None else "1 0 0")
@@ -104,7 +107,9 @@ class SphereRobot:
                 waiting.append(joint)
                 continue
             values = rows[:, self.joints.index(joint.name)] if joint.name in self.joints else None
-            placed[joint.child] = placed[joint.parent] @ joint.origin @ _moved(joint, values, len(rows))
+            placed[joint.child] = (
+                placed[joint.parent] @ joint.origin @ _moved(joint, values, len(rows))
+            )
         return placed
 
     def centres(self, rows: np.ndarray, held=()) -> list[tuple[str, np.ndarray, float]]:
@@ -112,7 +117,10 @@ class SphereRobot:
         placed = self.link_poses(rows)
         own = [(link, link, p, r) for link, balls in self.spheres.items() for p, r in balls]
         own += [(name, link, np.asarray(p), r) for link, p, r, name in held]
-        return [(name, placed[link][:, :3, :3] @ p + placed[link][:, :3, 3], r) for name, link, p, r in own]
+        return [
+            (name, placed[link][:, :3, :3] @ p + placed[link][:, :3, 3], r)
+            for name, link, p, r in own
+        ]
 
     def clearances(self, rows, parts: list[Part], held=(), ignored=()) -> np.ndarray:
         """By row: the least distance of the robot to the parts, and to itself (neighbours and the

@@ -60,7 +60,9 @@ def problem(random: np.random.Generator, index: int, cuboids: bool) -> dict:
             shape = {
                 "name": f"thing{number}",
                 "position": [far * np.cos(angle), far * np.sin(angle), random.uniform(0.1, 0.9)],
-                "orientation_quat_xyzw": (q := random.normal(size=4), list(q / np.linalg.norm(q)))[1],
+                "orientation_quat_xyzw": (q := random.normal(size=4), list(q / np.linalg.norm(q)))[
+                    1
+                ],
             }
             kind = ("sphere", "box", "cylinder")[number % 3]
             if kind == "sphere":
@@ -68,7 +70,10 @@ def problem(random: np.random.Generator, index: int, cuboids: bool) -> dict:
             elif kind == "box":
                 shape["half_extents"] = list(random.uniform(0.02, 0.2, size=3))
             else:
-                shape["radius"], shape["length"] = random.uniform(0.03, 0.1), random.uniform(0.1, 0.5)
+                shape["radius"], shape["length"] = (
+                    random.uniform(0.03, 0.1),
+                    random.uniform(0.1, 0.5),
+                )
             shapes[kind].append(shape)
         parts = motion_checker.parts_of(shapes, "peer", cuboids)
         rows = random.uniform(-LIMITS, LIMITS, size=(400, 4))
@@ -81,5 +86,7 @@ def problem(random: np.random.Generator, index: int, cuboids: bool) -> dict:
 
 def problems(seed: int) -> dict:
     random = np.random.default_rng(seed)
-    sets = {name: [problem(random, i + 1, name == "box") for i in range(5)] for name in ("open", "box")}
-    return {"robot": "sphere_arm", "joints": JOINTS, "problems": sets}
+    sets = {
+        name: [problem(random, i + 1, name == "box") for i in range(5)] for name in ("open", "box")
+    }
+    return {"robot": "sphere_arm", "joints": list(JOINTS), "problems": sets}

@@ -84,7 +84,10 @@ def world(keys) -> np.ndarray:
 
 SHAPES = {
     "box": ({"box": {"size": [0.1, 0.24, 0.3]}}, [("box", (0.05, 0.12, 0.15), np.eye(4))]),
-    "cylinder": ({"cylinder": {"radius": 0.12, "height": 0.4}}, [("cylinder", (0.12, 0.2), np.eye(4))]),
+    "cylinder": (
+        {"cylinder": {"radius": 0.12, "height": 0.4}},
+        [("cylinder", (0.12, 0.2), np.eye(4))],
+    ),
     "sphere": ({"sphere": {"radius": 0.15}}, [("sphere", 0.15, np.eye(4))]),
     "capsule": ({"capsule": {"radius": 0.1, "height": 0.3}}, [("capsule", (0.1, 0.15), np.eye(4))]),
     "mesh": (
@@ -185,19 +188,19 @@ def test_a_robot_file_has_limits(clearway, tmp_path):
     """The built-in robot stands on a table, which its root may touch."""
     content = {
         "format": "clearway-motion/1",
-        "robot": {"model": "ur10_ag95"},
+        "robot": {"model": "panda"},
         "obstacles": [
-            {"id": "table", "box": {"size": [1.0, 1.0, 0.04]}, "position": [0.0, 0.0, -0.08]},
-            {"id": "post", "capsule": {"radius": 0.05, "height": 0.8}, "position": [0.5, 0.0, 0.45]},
+            {"id": "table", "box": {"size": [1.0, 1.0, 0.04]}, "position": [0.0, 0.0, -0.01]},
+            {"id": "post", "capsule": {"radius": 0.05, "height": 0.8}, "position": [0.5, 0.0, 0.5]},
         ],
-        "start": [0.9, -1.8, 1.8, 0.1, 1.5708, 0.0],
-        "goals": [[-0.9, -1.8, 1.8, 0.1, 1.5708, 0.0]],
+        "start": [0.9, 0.2, 0.0, -1.9, 0.0, 2.0, 0.785],
+        "goals": [[-0.9, 0.2, 0.0, -1.9, 0.0, 2.0, 0.785]],
     }
     done = plan(clearway, tmp_path, content, "-o", tmp_path / "answer.json")
     assert done.code == SOLVED, done.err
     assert done.out.startswith("solved: ") and "s of motion" in done.out
     answer = json.loads((tmp_path / "answer.json").read_text())
-    assert len(answer["joints"]) == 6 and len(answer["trajectory"]["times"]) > 10
+    assert len(answer["joints"]) == 7 and len(answer["trajectory"]["times"]) > 10
 
 
 def test_json_is_read_and_the_schema_holds(clearway, tmp_path):
@@ -223,12 +226,20 @@ def test_no_goal_reachable_is_4(clearway, tmp_path):
     content["goals"] = [[-0.9, 1.6, 0.0, 0.0]]
     # The arm points along pan + 0.6, so the first wall is between; low as the ceiling is, the arm
     # cannot be folded small enough to pass a wall's inner end, nor be turned over.
-    walls = [([1.27, 0.02, 0.9], 0.6, [0.765, 0.0, 0.05]), ([1.27, 0.02, 0.9], 0.6 + np.pi, [0.765, 0.0, 0.05])]
+    walls = [
+        ([1.27, 0.02, 0.9], 0.6, [0.765, 0.0, 0.05]),
+        ([1.27, 0.02, 0.9], 0.6 + np.pi, [0.765, 0.0, 0.05]),
+    ]
     content["obstacles"] = []
     for i, (size, yaw, at) in enumerate([*walls, ([3.0, 3.0, 0.02], 0.0, [0.0, 0.0, 0.52])]):
         turn = poses.from_keys(ROOT_IN_WORLD) @ poses.from_keys({"rpy": [0.0, 0.0, yaw]})
         place = poses.apply(turn, np.array([at]))[0].tolist()
-        body = {"id": f"wall{i}", "box": {"size": size}, "position": place, "rpy": [0, 0, 0.4 + yaw]}
+        body = {
+            "id": f"wall{i}",
+            "box": {"size": size},
+            "position": place,
+            "rpy": [0, 0, 0.4 + yaw],
+        }
         content["obstacles"].append(body)
     done = plan(clearway, tmp_path, content, "--time-limit", "1", "-o", tmp_path / "a.json")
     assert done.code == OUT_OF_BUDGET, done.out + done.err
@@ -258,32 +269,64 @@ NAN = float("nan")
 BAD = [
     (changed(format="clearway-motion/2"), "format", ["`clearway-motion/2`", "`clearway-motion/1`"]),
     (changed(colour="red"), "colour", ["unknown key `colour`"]),
-    (changed(start=[0.0, 0.0, 2.6, 0.0]), "start", ["elbow", "2.6", "-2.5 to 2.5", "out of limits"]),
+    (
+        changed(start=[0.0, 0.0, 2.6, 0.0]),
+        "start",
+        ["elbow", "2.6", "-2.5 to 2.5", "out of limits"],
+    ),
     (changed(start={"pan": 0.0}), "start", ["says nothing of joint `shoulder`"]),
     (changed(start={"pann": 0.0}), "start", ["`pann` is not planned for", "did you mean `pan`"]),
     (changed(start=[0.0, 0.0]), "start", ["2 values", "4", "`wrist`"]),
     (changed(start="home"), "start", ["a mapping from joint to number, or a list of numbers"]),
     (changed(start=[0.0, NAN, 0.0, 0.0]), "start", ["`shoulder` at NaN"]),
     (changed(start=[-0.6, 0.9, 0.4, 0.0]), "start", ["the start is in collision", "touches wall"]),
-    (changed(start=[0.0, 0.0, 2.5, 0.0], goals=[[0, 0, 0, 0]], obstacles=[], margin=NAN), "margin", ["NaN"]),
+    (
+        changed(start=[0.0, 0.0, 2.5, 0.0], goals=[[0, 0, 0, 0]], obstacles=[], margin=NAN),
+        "margin",
+        ["NaN"],
+    ),
     (changed(goals=[]), "goals", ["no goals"]),
-    (changed(goals=[[0.0, -9.0, 0.0, 0.0]]), "  - [0.0, -9.0", ["the goal", "shoulder", "-9", "-2.2 to 2.2"]),
-    (changed(goals=[[-0.6, 0.9, 0.4, 0.0]]), "  - [-0.6, 0.9", ["the goal is in collision", "touches wall"]),
+    (
+        changed(goals=[[0.0, -9.0, 0.0, 0.0]]),
+        "  - [0.0, -9.0",
+        ["the goal", "shoulder", "-9", "-2.2 to 2.2"],
+    ),
+    (
+        changed(goals=[[-0.6, 0.9, 0.4, 0.0]]),
+        "  - [-0.6, 0.9",
+        ["the goal is in collision", "touches wall"],
+    ),
     (changed(margin=-0.1), "margin", ["-0.1"]),
     (changed(range=0.0), "range", ["the range is 0"]),
     (changed(checks_per_rad=0.1), "checks_per_rad", ["0.1"]),
     (changed(limits={"acceleration": -1}), "limits", ["the limit -1"]),
-    (changed(limits={"acceleration": {"pan": 1}}), "acceleration", ["no limit for joint `shoulder`"]),
-    (changed(limits={"acceleration": {"pam": 1}}), "acceleration", ["`pam` is not planned for", "`pan`"]),
+    (
+        changed(limits={"acceleration": {"pan": 1}}),
+        "acceleration",
+        ["no limit for joint `shoulder`"],
+    ),
+    (
+        changed(limits={"acceleration": {"pam": 1}}),
+        "acceleration",
+        ["`pam` is not planned for", "`pan`"],
+    ),
     (changed(base={"position": [0, NAN, 0]}), "  position", ["NaN"]),
     (obstacle(), "new", ["obstacle `new` has no shape"]),
     (obstacle(sphere={"radius": NAN}), "new", ["radius", "NaN", "positive"]),
     (obstacle(box={"size": [1, 0, 1]}), "new", ["size", "positive"]),
     (obstacle(sphere={"radius": 1}, rpy=[0, NAN, 0]), "new", ["NaN"]),
-    (obstacle(points={"file": "empty.xyz", "radius": 0.01}), "new", ["empty.xyz", "without points"]),
+    (
+        obstacle(points={"file": "empty.xyz", "radius": 0.01}),
+        "new",
+        ["empty.xyz", "without points"],
+    ),
     (obstacle(points={"file": "nan.xyz", "radius": 0.01}), "new", ["nan.xyz:1"]),
     (obstacle(mesh={"file": "none.stl"}), "new", ["none.stl", "no such file"]),
-    (obstacle(id="wall", sphere={"radius": 1}), "position: [9", ["`wall` is taken by another obstacle"]),
+    (
+        obstacle(id="wall", sphere={"radius": 1}),
+        "position: [9",
+        ["`wall` is taken by another obstacle"],
+    ),
     (robot(srdf="arm.srdf"), "robot", ["no robot", "`urdf`"]),
     (robot(urdf="arm.urdf", model="ur10_ag95"), "  urdf", ["both `model` and `urdf`"]),
     (robot(model="ur10_ag95", joints=["pan"]), "  joints", ["both `model` and `joints`"]),
@@ -293,7 +336,11 @@ BAD = [
     (robot(urdf="arm.urdf", joints=["pan", "elbo"]), "  urdf", ["no joint `elbo`", "`elbow`"]),
     (robot(urdf="arm.urdf", fixed={"pan": 9.0}), "  urdf", ["joint `pan` held at 9"]),
     (held(), "attached", ["`attached` has no shape"]),
-    (held(link="hant", sphere={"radius": 0.1}), "  link", ["no link `hant`", "did you mean `hand`"]),
+    (
+        held(link="hant", sphere={"radius": 0.1}),
+        "  link",
+        ["no link `hant`", "did you mean `hand`"],
+    ),
     (held(sphere={"radius": 0.1}, touch_links=["no"]), "touch_links", ["no link `no`"]),
     (held(points={"file": "cloud.xyz", "radius": 0.1}), "points", ["unknown key `points`"]),
 ]

@@ -56,12 +56,18 @@ impl Peer {
         let mut solved = HashMap::new();
         for row in file.rows.into_iter().filter(|r| r.solved) {
             let (Some(plan), Some(simplify), Some(cost)) = (row.plan_us, row.simplify_us, row.cost) else {
-                return Err(FileError::new(path, format!("the solved problem {} of set `{}` lacks a figure", row.index, row.set))
-                    .expected("`plan_us`, `simplify_us` and `cost`"));
+                return Err(FileError::new(
+                    path,
+                    format!("the solved problem {} of set `{}` lacks a figure", row.index, row.set),
+                )
+                .expected("`plan_us`, `simplify_us` and `cost`"));
             };
             if !(plan + simplify > 0.0) {
-                return Err(FileError::new(path, format!("problem {} of set `{}` took {} µs", row.index, row.set, plan + simplify))
-                    .expected("more than 0"));
+                return Err(FileError::new(
+                    path,
+                    format!("problem {} of set `{}` took {} µs", row.index, row.set, plan + simplify),
+                )
+                .expected("more than 0"));
             }
             solved.insert((row.set, row.index), (plan, simplify, cost));
         }

@@ -111,7 +111,8 @@ impl Problems {
         for (set, rows) in file.problems.0 {
             for (number, row) in rows.into_iter().enumerate() {
                 let index = row.index.unwrap_or(number + 1);
-                let wrong = |what: String| FileError::new(path, format!("set {}, problem {index}: {what}", quoted(&set)));
+                let wrong =
+                    |what: String| FileError::new(path, format!("set {}, problem {index}: {what}", quoted(&set)));
                 problems.push(problem(&set, index, row, file.joints.len(), cylinders).map_err(wrong)?);
             }
         }
@@ -157,7 +158,9 @@ impl Shape {
             return Err(format!("position {:?} is not finite", self.position));
         }
         match (self.orientation_quat_xyzw, self.orientation_euler_xyz) {
-            (Some(q), _) if finite(&q) && q.iter().map(|x| x * x).sum::<f64>() > 1e-6 => Ok(Pose::from_quaternion(q, at)),
+            (Some(q), _) if finite(&q) && q.iter().map(|x| x * x).sum::<f64>() > 1e-6 => {
+                Ok(Pose::from_quaternion(q, at))
+            }
             (Some(q), _) => Err(format!("{q:?} is no rotation")),
             (None, Some(rpy)) if finite(&rpy) => Ok(Pose::from_rpy(rpy, at)),
             (None, Some(rpy)) => Err(format!("{rpy:?} is no rotation")),

@@ -52,7 +52,14 @@ pub struct Summary {
 }
 
 impl Summary {
-    pub fn of(rows: &[Row], planner: &MotionPlanner, settings: &Settings, cylinders: Cylinders, load: Duration, peer: Option<&Peer>) -> Self {
+    pub fn of(
+        rows: &[Row],
+        planner: &MotionPlanner,
+        settings: &Settings,
+        cylinders: Cylinders,
+        load: Duration,
+        peer: Option<&Peer>,
+    ) -> Self {
         let solved: Vec<&Row> = rows.iter().filter(|r| r.solved).collect();
         let all = |figure: fn(&Row) -> Option<f64>| solved.iter().filter_map(|r| figure(r)).collect::<Vec<f64>>();
         let level = format!("{:?}", planner.kernel.level);
@@ -100,14 +107,33 @@ impl fmt::Display for Summary {
             let [median, mean, p95] = [times.median, times.mean, times.p95].map(|t| Figure(t, 1));
             writeln!(f, "{name:<10}  {median} µs median, {mean} mean, {p95} p95")?;
         }
-        writeln!(f, "cost        {} before, {} after simplification (means)", Figure(self.initial_cost, 3), Figure(self.cost, 3))?;
+        writeln!(
+            f,
+            "cost        {} before, {} after simplification (means)",
+            Figure(self.initial_cost, 3),
+            Figure(self.cost, 3)
+        )?;
         writeln!(f, "ready       {:.1} ms after the URDF was named", self.load_ms)?;
         if let Some(peer) = &self.peer {
             let both = peer.solved_by_both;
-            writeln!(f, "peer        {both} solved by both; plan + simplify {} of its time (median of ratios)", Figure(peer.median_ratio, 3))?;
-            writeln!(f, "            planning p95 {} of its; cost {} to its {}", Figure(peer.plan_p95_ratio, 3), Figure(peer.mean_cost, 3), Figure(peer.peer_mean_cost, 3))?;
+            writeln!(
+                f,
+                "peer        {both} solved by both; plan + simplify {} of its time (median of ratios)",
+                Figure(peer.median_ratio, 3)
+            )?;
+            writeln!(
+                f,
+                "            planning p95 {} of its; cost {} to its {}",
+                Figure(peer.plan_p95_ratio, 3),
+                Figure(peer.mean_cost, 3),
+                Figure(peer.peer_mean_cost, 3)
+            )?;
         }
         let repeats = self.repeats;
-        writeln!(f, "least of {repeats}, one thread, {}, {} ({} cores), version {}", self.level, self.machine.cpu, self.machine.cores, self.version)
+        writeln!(
+            f,
+            "least of {repeats}, one thread, {}, {} ({} cores), version {}",
+            self.level, self.machine.cpu, self.machine.cores, self.version
+        )
     }
 }

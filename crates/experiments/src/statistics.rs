@@ -35,7 +35,10 @@ mod tests {
         assert_eq!(median(&[3.0, 1.0, 2.0]), Some(2.0));
         assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), Some(2.5));
         let hundred: Vec<f64> = (1..=100).rev().map(f64::from).collect();
-        assert_eq!((quantile(&hundred, 0.95), quantile(&hundred, 1.0), quantile(&hundred, 0.0)), (Some(95.0), Some(100.0), Some(1.0)));
+        assert_eq!(
+            (quantile(&hundred, 0.95), quantile(&hundred, 1.0), quantile(&hundred, 0.0)),
+            (Some(95.0), Some(100.0), Some(1.0))
+        );
         assert_eq!(mean(&hundred), Some(50.5));
     }
 }

@@ -10,14 +10,22 @@ use clearway_scene::Bodies;
 const ROUNDING: f64 = 1e-6;
 
 /// The posture that stands at `keys`, within the joints' limits.
-pub fn posture(bodies: &Bodies, keys: &str, what: &str, group: &Group, values: &JointValues) -> Result<Posture, FileError> {
+pub fn posture(
+    bodies: &Bodies,
+    keys: &str,
+    what: &str,
+    group: &Group,
+    values: &JointValues,
+) -> Result<Posture, FileError> {
     let names = &group.names;
     let (q, keys): (Posture, Vec<String>) = match values {
         JointValues::InOrder(list) => {
             if list.len() != names.len() {
-                return Err(bodies
-                    .error(keys, format!("{what} has {} values", list.len()))
-                    .expected(format!("{}: one for each of {}", names.len(), listed(names))));
+                return Err(bodies.error(keys, format!("{what} has {} values", list.len())).expected(format!(
+                    "{}: one for each of {}",
+                    names.len(),
+                    listed(names)
+                )));
             }
             (list.clone(), (0..list.len()).map(|i| format!("{keys}.{i}")).collect())
         }
@@ -41,9 +49,12 @@ pub fn posture(bodies: &Bodies, keys: &str, what: &str, group: &Group, values: &
             (names.iter().map(value).collect::<Result<_, _>>()?, names.iter().map(|n| format!("{keys}.{n}")).collect())
         }
     };
-    for (((value, keys), name), (low, high)) in q.iter().zip(&keys).zip(names).zip(group.lower.iter().zip(&group.upper)) {
+    for (((value, keys), name), (low, high)) in q.iter().zip(&keys).zip(names).zip(group.lower.iter().zip(&group.upper))
+    {
         if !value.is_finite() {
-            return Err(bodies.error(keys, format!("{what} has joint {} at {value}", quoted(name))).expected("a finite number"));
+            return Err(bodies
+                .error(keys, format!("{what} has joint {} at {value}", quoted(name)))
+                .expected("a finite number"));
         }
         if !(*low - ROUNDING..=*high + ROUNDING).contains(value) {
             return Err(bodies

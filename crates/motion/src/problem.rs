@@ -108,7 +108,7 @@ impl MotionProblem {
 fn refused(bodies: &Bodies, keys: &str, why: String) -> FileError {
     bodies
         .error(keys, why)
-        .help("links count as the spheres that cover them; links that always touch each other belong into the SRDF")
+        .help("give a free posture, or move what it touches; links count as the spheres that cover them")
 }
 
 fn settings(bodies: &Bodies, file: &MotionFile) -> Result<MotionSettings, FileError> {

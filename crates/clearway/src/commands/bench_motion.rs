@@ -22,7 +22,8 @@ pub fn run(args: &BenchMotionArgs) -> Result<Exit, Failure> {
     let problems = Problems::read(&args.problems, cylinders)?;
     let peer = args.peer.as_deref().map(Peer::read).transpose()?;
     let began = Instant::now();
-    let group = Group::load(&args.robot, args.srdf.as_deref(), Some(&problems.joints), &Default::default(), &args.package)?;
+    let group =
+        Group::load(&args.robot, args.srdf.as_deref(), Some(&problems.joints), &Default::default(), &args.package)?;
     let planner = MotionPlanner::new(group);
     let load = began.elapsed();
 

@@ -51,7 +51,12 @@ fn text(answer: &MotionAnswer, output: Option<&Path>) -> String {
         out += &format!("  {why}\n");
     }
     let t = &answer.timing;
-    out += &format!("  planned in {:.3} ms, simplified in {:.3} ms, ready after {:.1} ms\n", t.plan * 1e3, t.simplify * 1e3, t.load * 1e3);
+    out += &format!(
+        "  planned in {:.3} ms, simplified in {:.3} ms, ready after {:.1} ms\n",
+        t.plan * 1e3,
+        t.simplify * 1e3,
+        t.load * 1e3
+    );
     if let Some(last) = answer.trajectory.as_ref().and_then(|t| t.times.last()) {
         out += &format!("  {last:.2} s of motion, timed in {:.1} ms\n", t.trajectory * 1e3);
     }

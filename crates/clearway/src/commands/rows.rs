@@ -24,7 +24,8 @@ impl Rows {
             FileError::new(directory, format!("cannot be made a directory: {e}")).help("choose another one for --out")
         })?;
         let taken = |path: &Path| {
-            FileError::new(path, "is there already, from an earlier run").help("name another directory, or delete the file")
+            FileError::new(path, "is there already, from an earlier run")
+                .help("name another directory, or delete the file")
         };
         let summary = directory.join("summary.json");
         if summary.exists() {
