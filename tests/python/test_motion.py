@@ -176,6 +176,9 @@ def test_trajectories_keep_the_limits(clearway, tmp_path):
     between = (steps[1:] + steps[:-1])[:, None] / 2
     acceleration = np.abs(np.diff(velocity, axis=0) / between).max(axis=0)
     assert (acceleration <= np.array([3.0, 4.0, 5.0, 6.0]) + 1e-6).all()
+    even = steps.mean()
+    assert np.allclose(steps, even, rtol=1e-6)
+    assert np.abs(np.diff(rows, n=3, axis=0)).max() / even**3 <= 60 + 1e-3
 
 
 def test_no_limits_no_trajectory(clearway, tmp_path):

@@ -53,12 +53,12 @@ pub fn plan_motion(problem: &MotionProblem, seed: u64, budget: &Budget) -> Motio
     };
     answer.goal = goals.iter().position(|g| Some(g) == solution.path.last()).map(|i| problem.goal_numbers[i]);
     (answer.cost, answer.initial_cost) = (Some(solution.cost), Some(solution.initial_cost));
-    match &problem.rates {
+    match &problem.limits {
         Err(why) => answer.why.push(why.clone()),
-        Ok(rates) => {
+        Ok(limits) => {
             let began = Instant::now();
             // The deadline was the search's: a path found in time is timed to the end.
-            match time_path(&mut space, &solution.path, rates, &budget.without_deadline()) {
+            match time_path(&mut space, &solution.path, limits, &budget.without_deadline()) {
                 Err(_) => return MotionOutcome::Cancelled,
                 Ok(timed) => answer.trajectory = Some(Trajectory { times: timed.times, positions: timed.positions }),
             }

@@ -135,6 +135,7 @@ impl Attached {
 #[serde(deny_unknown_fields)]
 pub struct MotionLimits {
     pub acceleration: PerJoint,
+    /// Default: the robot file's; without one, 80.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub jerk: Option<PerJoint>,
 }
