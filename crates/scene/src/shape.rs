@@ -114,7 +114,7 @@ impl<'a> Reader<'a> {
                 .source
                 .error(&format!("{keys}.points"), format!("{whose} is a point cloud"))
                 .expected("a shape that has an inside")
-                .help("only what stands still can be `points`: give the shape of what is moved"));
+                .help("only fixtures can be `points`: give the object's shape, or list it under `fixtures`"));
         }
         let parts = self.shape(keys, &whose, &key)?;
         if role.moves() {
