@@ -68,7 +68,8 @@ class _Joint:
         self.origin = _origin(element)
         axis = element.find("axis")
         self.axis = _numbers(axis.get("xyz") if axis is not None else "1 0 0")
-        self.axis = self.axis / np.linalg.norm(self.axis)
+        if self.kind != "fixed":
+            self.axis = self.axis / np.linalg.norm(self.axis)
 
 
 def _numbers(text: str) -> np.ndarray:
