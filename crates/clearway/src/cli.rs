@@ -27,6 +27,10 @@ pub enum Command {
     View(ViewArgs),
     /// Check a robot and say what was found.
     Robot(RobotArgs),
+    /// Plan a motion: a robot, obstacles, a start, goals; a path and a trajectory.
+    Motion(MotionArgs),
+    /// Run an experiment; rows as JSON lines, a summary at the end.
+    Bench(BenchArgs),
     /// Write a plan for other programs.
     Export(ExportArgs),
     /// Print the JSON Schema of a file.
@@ -166,6 +170,80 @@ pub enum Format {
 }
 
 #[derive(Debug, Args)]
+pub struct MotionArgs {
+    /// The motion problem (YAML or JSON): see `clearway schema motion`.
+    pub problem: PathBuf,
+    /// Where the samples begin: another seed is another attempt.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Seconds of planning before giving up.
+    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = seconds)]
+    pub time_limit: f64,
+    /// Where to write the answer; without a path it says why.
+    #[arg(short, long, value_name = "PATH.json")]
+    pub output: Option<PathBuf>,
+    /// Print the answer as one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+    /// Where `package://NAME` in the robot's URDF leads.
+    #[arg(long, value_name = "NAME=DIR", value_parser = package)]
+    pub package: Vec<(String, PathBuf)>,
+}
+
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    #[command(subcommand)]
+    pub experiment: Experiment,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Experiment {
+    /// Plain motion planning, on problems as MotionBenchMaker's sets are handed on.
+    ///
+    /// RRT-Connect and simplification, one thread; per problem the least times of the repeats. A
+    /// cylinder counts as VAMP's scripts take it, so that figures compare: as a capsule of the
+    /// cylinder's length with caps beyond it, in the set `box` as the cuboid round it.
+    Motion(BenchMotionArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct BenchMotionArgs {
+    /// The robot's URDF; the joints planned for are those that the problems name.
+    #[arg(long, value_name = "URDF")]
+    pub robot: PathBuf,
+    /// Pairs of links never checked. Without it: neighbours, and pairs that always touch.
+    #[arg(long, value_name = "SRDF")]
+    pub srdf: Option<PathBuf>,
+    /// `{joints, problems: {set: [{index, start, goals, sphere, box, cylinder}]}}`, JSON.
+    #[arg(long, value_name = "FILE")]
+    pub problems: PathBuf,
+    /// Longest new motion of the search, radians of joint distance.
+    #[arg(long, value_name = "R", default_value_t = 1.0)]
+    pub range: f64,
+    /// Samples per radian of joint distance, at least; what lies between them is checked as well.
+    #[arg(long, value_name = "N", default_value_t = 32.0)]
+    pub checks_per_rad: f64,
+    /// How often each problem is planned; the least times are kept.
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub repeats: u32,
+    /// Where `package://NAME` in the URDF leads.
+    #[arg(long, value_name = "NAME=DIR", value_parser = package)]
+    pub package: Vec<(String, PathBuf)>,
+    /// Take cylinders as cylinders.
+    #[arg(long)]
+    pub true_cylinders: bool,
+    /// Seconds for one attempt before giving a problem up.
+    #[arg(long, value_name = "S", default_value_t = 10.0, value_parser = seconds)]
+    pub time_limit: f64,
+    /// Rows go to DIR/motion.jsonl, the summary to DIR/summary.json; default: stdout.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Another planner's rows on the same problems, to compare with.
+    #[arg(long, value_name = "FILE")]
+    pub peer: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
 pub struct SchemaArgs {
     #[arg(value_enum)]
     pub file: Document,
@@ -176,6 +254,7 @@ pub enum Document {
     Scene,
     Robot,
     Plan,
+    Motion,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -11,18 +11,21 @@
 //! # Ok::<(), clearway::FileError>(())
 //! ```
 
+mod motion;
 mod outcome;
 mod written;
 
 pub use clearway_export as export;
 pub use clearway_files::FileError;
 pub use clearway_plan::event::{Event, Observer, Silent};
-pub use clearway_plan::{Budget, PlanFile, RobotFile, SceneFile, Stop};
+pub use clearway_motion::{MotionPlanner, MotionProblem, MotionSettings, Surroundings};
+pub use clearway_plan::{Budget, MotionAnswer, MotionFile, PlanFile, RobotFile, SceneFile, Stop};
 pub use clearway_retrieval::{FirstLimit, Planner, Request, SceneDelta, Search, Settings, Unfit};
 pub use clearway_robot::Robot;
 pub use clearway_scenarios as scenarios;
 pub use clearway_scene::Scene;
 pub use clearway_verify::{Report, VerifiedPlan, read_plan, verify_file};
+pub use motion::{MotionOutcome, plan_motion};
 pub use outcome::{Outcome, duration, improve, solve};
 pub use written::{page, to_json, with_meshes_relative_to};
 

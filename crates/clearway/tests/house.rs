@@ -6,24 +6,31 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// Crate, and the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 14] = [
     ("geometry", &[]),
     ("files", &[]),
     ("plan", &["geometry"]),
     ("robot", &["geometry", "files", "plan"]),
     ("scene", &["geometry", "files", "plan"]),
     ("collision", &["geometry", "plan", "robot", "scene"]),
-    ("motion", &["geometry", "plan", "robot", "scene", "collision"]),
+    ("motion", &["geometry", "files", "plan", "robot", "scene", "collision"]),
     ("retrieval", &["geometry", "plan", "robot", "scene", "collision", "motion"]),
     ("verify", &["plan", "files"]),
     ("scenarios", &["geometry", "plan", "robot", "scene", "retrieval"]),
     ("export", &["plan"]),
     ("viewer", &["plan"]),
     (
-        "clearway",
+        "experiments",
         &[
             "geometry", "files", "plan", "robot", "scene", "collision", "motion", "retrieval", "verify", "scenarios", "export",
             "viewer",
+        ],
+    ),
+    (
+        "clearway",
+        &[
+            "geometry", "files", "plan", "robot", "scene", "collision", "motion", "retrieval", "verify", "scenarios", "export",
+            "viewer", "experiments",
         ],
     ),
 ];

@@ -3,7 +3,7 @@
 
 mod program;
 
-use program::{Done, Program, covered_tray};
+use program::{ARM, Done, Program, behind_a_wall, covered_tray};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -50,4 +50,36 @@ fn drawing_a_scene_is_130() {
     let done = interrupted(&program, "generate shelf --objects 80 --least-removals 80 -o scene.yaml", Duration::from_millis(500));
     assert_eq!(done.code, Some(130), "{}", done.err);
     assert_eq!(program.files(), before);
+}
+
+#[test]
+fn planning_a_motion_is_130_and_writes_nothing() {
+    let program = Program::new();
+    program.write("arm.urdf", ARM);
+    program.write("problem.yaml", &behind_a_wall());
+    let before = program.files();
+    let done = interrupted(&program, "motion problem.yaml --time-limit 60 -o answer.json", Duration::from_millis(500));
+    assert_eq!((done.code, done.out.as_str()), (Some(130), ""), "{}", done.err);
+    assert_eq!(program.files(), before);
+}
+
+#[test]
+fn a_benchmark_is_130_and_keeps_its_rows() {
+    let program = Program::new();
+    program.write("arm.urdf", ARM);
+    let ball = r#"{"name": "ball", "position": [0.8, 0, 0], "radius": 0.1}"#;
+    let wall = r#"{"name": "wall", "position": [0.45, 0, 0], "half_extents": [0.3, 0.01, 0.1]}"#;
+    let problem = |more: &str| format!(r#"{{"start": [1.0, 0.0], "goals": [[-1.0, 0.0]], "sphere": [{ball}]{more}}}"#);
+    let rows = [problem(""), problem(""), problem(&format!(r#", "box": [{wall}]"#))].join(", ");
+    program.write("problems.json", &format!(r#"{{"joints": ["shoulder", "elbow"], "problems": {{"balls": [{rows}]}}}}"#));
+    // The third problem has no answer, and all the time in the world.
+    let arguments = "bench motion --robot arm.urdf --problems problems.json --repeats 1 --time-limit 600 --out results";
+    let done = interrupted(&program, arguments, Duration::from_millis(1500));
+    assert_eq!(done.code, Some(130), "{}", done.err);
+    let kept = std::fs::read_to_string(program.path("results/motion.jsonl")).expect("rows");
+    assert!(!kept.is_empty() && kept.ends_with('\n') && !program.path("results/summary.json").exists());
+    for row in kept.lines() {
+        let row: serde_json::Value = serde_json::from_str(row).expect("whole rows");
+        assert_eq!(row["solved"], true);
+    }
 }

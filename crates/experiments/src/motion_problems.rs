@@ -2,18 +2,46 @@
 //!
 //! `{robot, joints: [name …], problems: {set: [{index, start, goals, valid, sphere, box, cylinder}]}}`,
 //! shapes with `position`, `orientation_quat_xyzw` (or `orientation_euler_xyz`), `radius`,
-//! `half_extents`, `length` (along z), in the frame of the URDF's root link.
+//! `half_extents`, `length` (along z), in the frame of the URDF's root link. Other keys are ignored.
 
 use clearway_files::{FileError, Limits, json, quoted, read_text};
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
 use clearway_motion::Obstacle;
 use serde::Deserialize;
+use serde::de::{Deserializer, MapAccess, Visitor};
+use std::fmt;
 use std::path::Path;
 
 #[derive(Debug, Deserialize)]
 struct File {
     joints: Vec<String>,
-    problems: serde_json::Map<String, serde_json::Value>,
+    problems: Sets,
+}
+
+/// By name, in the file's order.
+#[derive(Debug)]
+struct Sets(Vec<(String, Vec<Row>)>);
+
+impl<'de> Deserialize<'de> for Sets {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct InOrder;
+        impl<'de> Visitor<'de> for InOrder {
+            type Value = Sets;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a mapping from the name of a set to its problems")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Sets, A::Error> {
+                let mut sets = Vec::new();
+                while let Some(set) = map.next_entry()? {
+                    sets.push(set);
+                }
+                Ok(Sets(sets))
+            }
+        }
+        deserializer.deserialize_map(InOrder)
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -50,6 +78,16 @@ pub enum Cylinders {
     True,
 }
 
+impl Cylinders {
+    /// In words, for summaries.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Cylinders::Peer => "cylinders as the peer takes them: capsules, in the set `box` cuboids",
+            Cylinders::True => "true cylinders",
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 pub struct Problem {
     pub set: String,
@@ -70,12 +108,11 @@ impl Problems {
     pub fn read(path: &Path, cylinders: Cylinders) -> Result<Problems, FileError> {
         let file: File = json::from_str(path, &read_text(path, &Limits::PLAN)?)?;
         let mut problems = Vec::new();
-        for (set, rows) in file.problems {
-            let rows: Vec<Row> = serde_json::from_value(rows)
-                .map_err(|e| FileError::new(path, format!("set {}: {e}", quoted(&set))))?;
+        for (set, rows) in file.problems.0 {
             for (number, row) in rows.into_iter().enumerate() {
                 let index = row.index.unwrap_or(number + 1);
-                let wrong = |what: String| FileError::new(path, format!("set {}, problem {index}: {what}", quoted(&set)));
+                let wrong =
+                    |what: String| FileError::new(path, format!("set {}, problem {index}: {what}", quoted(&set)));
                 problems.push(problem(&set, index, row, file.joints.len(), cylinders).map_err(wrong)?);
             }
         }
@@ -121,7 +158,9 @@ impl Shape {
             return Err(format!("position {:?} is not finite", self.position));
         }
         match (self.orientation_quat_xyzw, self.orientation_euler_xyz) {
-            (Some(q), _) if finite(&q) && q.iter().map(|x| x * x).sum::<f64>() > 1e-6 => Ok(Pose::from_quaternion(q, at)),
+            (Some(q), _) if finite(&q) && q.iter().map(|x| x * x).sum::<f64>() > 1e-6 => {
+                Ok(Pose::from_quaternion(q, at))
+            }
             (Some(q), _) => Err(format!("{q:?} is no rotation")),
             (None, Some(rpy)) if finite(&rpy) => Ok(Pose::from_rpy(rpy, at)),
             (None, Some(rpy)) => Err(format!("{rpy:?} is no rotation")),

@@ -53,6 +53,11 @@ impl<T> Located<T> {
         &self.path
     }
 
+    /// The document as it was read.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// Line and column of the value at `keys` (an index counts as the key of a sequence), or of
     /// the nearest thing round it that the text holds. Walks the text: for error messages.
     pub fn position(&self, keys: &[&str]) -> Option<(usize, usize)> {
@@ -191,7 +196,7 @@ fn explain(path: &Path, text: &str, error: &Error) -> FileError {
         }
         Error::Message { msg, .. } if msg.contains("did not match any variant of untagged enum") => {
             told("a value of no accepted form".to_owned())
-                .help("see the file's schema: `clearway schema scene|robot|plan`")
+                .help("see the file's schema: `clearway schema scene|robot|plan|motion`")
         }
         _ => told(message(error)),
     }

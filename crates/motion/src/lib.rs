@@ -5,9 +5,12 @@
 
 mod curve;
 mod differences;
+mod ends;
 mod law;
 mod pace;
 mod planner;
+mod problem;
+mod rates;
 mod reach;
 mod rows;
 mod rrt_connect;
@@ -17,6 +20,7 @@ mod simplify;
 mod smooth;
 mod space;
 mod sphere_space;
+mod time_path;
 mod timing;
 mod tree;
 mod validator;
@@ -24,6 +28,7 @@ mod validator;
 pub use curve::{Corners, Curve};
 pub use differences::slowdowns;
 pub use planner::{MotionPlanner, Obstacle, Settings as MotionSettings, Solution, Surroundings};
+pub use problem::MotionProblem;
 pub use rrt_connect::{Settings as RrtSettings, Trees, connect};
 pub use sampler::{Halton, NearEnds, Sampler};
 pub use shortcut::shorten;
@@ -31,6 +36,7 @@ pub use simplify::{Settings as SimplifySettings, simplify};
 pub use smooth::smooth;
 pub use space::{Space, Surely};
 pub use sphere_space::SphereSpace;
+pub use time_path::time_path;
 pub use timing::{Limits, Timed, time_curve};
 pub use validator::MotionValidator;
 

@@ -6,6 +6,7 @@
 use crate::description::{Joint, JointKind, Link, Model, Robot, describe_urdf, disabled_pairs};
 use crate::kinematics::{Kinematics, Tree};
 use clearway_files::{FileError, closest, quoted};
+use clearway_geometry::{Pose, Solid, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -108,6 +109,41 @@ impl Group {
             (Some(&l), Some(&u)) => (if l.is_finite() { l } else { -pi }, if u.is_finite() { u } else { pi }),
             _ => (self.hand[0].min(self.hand[1]), self.hand[0].max(self.hand[1])),
         }
+    }
+
+    /// One more link, the last: something that `link` holds, at `link_from_solid`, and that the
+    /// links of `touching` may touch.
+    pub fn attach(&mut self, name: &str, link: usize, solid: &Solid, link_from_solid: Pose, touching: &[usize]) {
+        // Once a pair is named, neighbours are no longer left out by themselves.
+        if self.disabled_pairs.is_empty() {
+            let shaped: Vec<usize> = (0..self.links.len()).filter(|&l| !self.links[l].collision.parts.is_empty()).collect();
+            for &a in &shaped {
+                let near = shaped.iter().filter(|&&b| a < b && self.adjacent(a, b));
+                let pairs: Vec<_> = near.map(|&b| (a, b)).collect();
+                self.disabled_pairs.extend(pairs);
+            }
+        }
+        let added = self.links.len();
+        self.joints.push(Joint {
+            name: name.to_owned(),
+            kind: JointKind::Fixed,
+            parent: link,
+            child: added,
+            parent_from_joint: link_from_solid,
+            axis: Vec3::X,
+            lower: 0.0,
+            upper: 0.0,
+            velocity: f64::INFINITY,
+            mimic: None,
+        });
+        self.links.push(Link {
+            name: name.to_owned(),
+            parent_joint: Some(self.joints.len() - 1),
+            collision: solid.clone(),
+            collision_kinds: Vec::new(),
+        });
+        self.kinematics.add_fixed(link, link_from_solid);
+        self.disabled_pairs.extend(touching.iter().map(|&l| (l, added)));
     }
 
     /// Whether one of the links is the other's next shaped ancestor: they touch at their joint.

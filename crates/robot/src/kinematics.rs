@@ -132,6 +132,13 @@ impl Kinematics {
         Self { steps, arm_joints, tool: robot.tool, moved_by, moved_by_hand }
     }
 
+    /// One more link, the last, that does not move against `parent`.
+    pub fn add_fixed(&mut self, parent: usize, parent_from_link: Pose) {
+        self.steps.push(LinkStep { parent, parent_from_joint: parent_from_link, motion: Motion::Still });
+        self.moved_by.push(self.moved_by[parent]);
+        self.moved_by_hand.push(self.moved_by_hand[parent]);
+    }
+
     /// By link: how it hangs from its parent; parents before children, the root's entry is not used.
     pub fn steps(&self) -> &[LinkStep] {
         &self.steps

@@ -4,7 +4,7 @@ use crate::MAX_FIXTURES;
 use crate::source::Source;
 use clearway_files::{FileError, closest, quoted};
 use clearway_plan::{ObjectId, ObjectSet, SceneFile};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 const LONGEST: usize = 64;
 
@@ -35,24 +35,34 @@ pub(crate) fn check(source: &Source, file: &SceneFile) -> Result<(), FileError> 
                 .help("rename one of the two"));
         }
     }
-    let mut taken = HashMap::new();
-    for (i, place) in file.place.iter().enumerate() {
-        usable(source, &format!("place.{i}"), "place", &place.id)?;
-        if taken.insert(place.id.as_str(), ()).is_some() {
+    unique(source, "place", "place", file.place.iter().map(|p| p.id.as_str()))
+}
+
+/// That each name of the list at `keys` is usable, and stands for one thing.
+pub(crate) fn unique<'i>(
+    source: &Source,
+    keys: &str,
+    kind: &str,
+    ids: impl Iterator<Item = &'i str>,
+) -> Result<(), FileError> {
+    let mut taken = HashSet::new();
+    for (i, id) in ids.enumerate() {
+        usable(source, &format!("{keys}.{i}"), kind, id)?;
+        if !taken.insert(id) {
             return Err(source
-                .error(&format!("place.{i}.id"), format!("the id {} is taken by another place", quoted(&place.id)))
+                .error(&format!("{keys}.{i}.id"), format!("the id {} is taken by another {kind}", quoted(id)))
                 .help("rename one of the two"));
         }
     }
     Ok(())
 }
 
-fn usable(source: &Source, keys: &str, kind: &str, id: &str) -> Result<(), FileError> {
+pub(crate) fn usable(source: &Source, keys: &str, kind: &str, id: &str) -> Result<(), FileError> {
     let wrong = |found: String| {
         Err(source.error(&format!("{keys}.id"), found).expected(format!("1 to {LONGEST} printable characters")))
     };
     if id.trim().is_empty() {
-        wrong(format!("{} {kind} with an empty id", if kind == "object" { "an" } else { "a" }))
+        wrong(format!("{} {kind} with an empty id", if kind.starts_with(['a', 'o']) { "an" } else { "a" }))
     } else if id.chars().count() > LONGEST {
         wrong(format!("the id {} has {} characters", quoted(id), id.chars().count()))
     } else if id.trim() != id || id.chars().any(char::is_control) {

@@ -9,6 +9,7 @@
 //! objects; meshes cost their convex hulls. Whether the robot exists, and whether its start is
 //! free, is not judged here; nor is balance: an object may rest on an edge.
 
+mod bodies;
 mod contact;
 mod ids;
 mod numbers;
@@ -18,6 +19,8 @@ mod shape;
 mod source;
 mod support;
 mod surroundings;
+
+pub use bodies::Bodies;
 
 use clearway_files::{FileError, Limits, read_text, yaml};
 use clearway_geometry::{Pose, Solid, Vec2, Vec3};

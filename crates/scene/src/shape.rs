@@ -16,6 +16,26 @@ use std::sync::Arc;
 pub(crate) enum Role {
     Fixture,
     Object,
+    /// What a motion problem's robot keeps clear of.
+    Obstacle,
+    /// What a motion problem's robot holds.
+    Held,
+}
+
+impl Role {
+    fn name(self) -> &'static str {
+        match self {
+            Role::Fixture => "fixture",
+            Role::Object => "object",
+            Role::Obstacle => "obstacle",
+            Role::Held => "attached",
+        }
+    }
+
+    /// Whether it is moved, and so has to have an inside, and few parts.
+    fn moves(self) -> bool {
+        matches!(self, Role::Object | Role::Held)
+    }
 }
 
 /// The one shape key that a body or a part of a compound has.
@@ -87,9 +107,9 @@ impl<'a> Reader<'a> {
             body.points.as_ref().map(Key::Points),
             body.compound.as_deref().map(Key::Compound),
         ];
-        let whose = format!("{} {}", if role == Role::Fixture { "fixture" } else { "object" }, quoted(&body.id));
+        let whose = format!("{} {}", role.name(), quoted(&body.id));
         let key = self.only(keys, &whose, given.into_iter().flatten().collect())?;
-        if role == Role::Object && matches!(key, Key::Points(_)) {
+        if role.moves() && matches!(key, Key::Points(_)) {
             return Err(self
                 .source
                 .error(&format!("{keys}.points"), format!("{whose} is a point cloud"))
@@ -97,7 +117,7 @@ impl<'a> Reader<'a> {
                 .help("only fixtures can be `points`: give the object's shape, or list it under `fixtures`"));
         }
         let parts = self.shape(keys, &whose, &key)?;
-        if role == Role::Object {
+        if role.moves() {
             self.object_parts += parts.len();
             if self.object_parts > MAX_OBJECT_PARTS {
                 return Err(self

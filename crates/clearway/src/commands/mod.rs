@@ -1,12 +1,16 @@
 //! One file per command.
 
+pub mod bench;
+mod bench_motion;
 pub mod demo;
 pub mod explain;
 pub mod export;
 pub mod generate;
+pub mod motion;
 pub mod output;
 pub mod plan;
 pub mod robot;
+mod rows;
 pub mod schema;
 mod summary;
 pub mod verify;

@@ -17,7 +17,7 @@ impl Progress {
         Self { shown: wanted && std::io::stderr().is_terminal(), written: false }
     }
 
-    fn line(&mut self, text: &str) {
+    pub fn line(&mut self, text: &str) {
         if self.shown {
             let _ = write!(std::io::stderr(), "\r\x1b[2K{text}");
             self.written = true;

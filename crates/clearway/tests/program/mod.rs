@@ -114,3 +114,44 @@ pub fn closed_shelf() -> String {
 pub fn covered_tray() -> String {
     shelf_with("fixtures:\n", "fixtures:\n- {id: lid, box: {size: [0.5, 0.8, 0.02]}, position: [0.1, -0.82, 0.58]}\n")
 }
+
+/// Two links of spheres, 0.5 m each, that turn about z and lie in the plane.
+pub const ARM: &str = r#"<robot name="planar">
+  <link name="base"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+  <link name="upper">
+    <collision><origin xyz="0.2 0 0"/><geometry><sphere radius="0.05"/></geometry></collision>
+    <collision><origin xyz="0.4 0 0"/><geometry><sphere radius="0.05"/></geometry></collision>
+  </link>
+  <link name="fore">
+    <collision><origin xyz="0.15 0 0"/><geometry><sphere radius="0.05"/></geometry></collision>
+    <collision><origin xyz="0.35 0 0"/><geometry><sphere radius="0.05"/></geometry></collision>
+  </link>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+    <limit lower="-3" upper="3" velocity="2" effort="1"/>
+  </joint>
+  <joint name="elbow" type="revolute">
+    <parent link="upper"/><child link="fore"/><origin xyz="0.5 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="-2.5" upper="2.5" velocity="2" effort="1"/>
+  </joint>
+</robot>
+"#;
+
+/// A ball between the start and the goal.
+pub const AROUND_A_BALL: &str = "format: clearway-motion/1
+robot: {urdf: arm.urdf}
+obstacles:
+- {id: ball, sphere: {radius: 0.1}, position: [0.8, 0.0, 0.0]}
+start: {shoulder: 1.0, elbow: 0.0}
+goals:
+- [-1.0, 0.0]
+limits: {acceleration: 4}
+";
+
+/// The same with a wall that the upper arm cannot pass on either side.
+pub fn behind_a_wall() -> String {
+    AROUND_A_BALL.replace(
+        "obstacles:\n",
+        "obstacles:\n- {id: wall, box: {size: [0.6, 0.02, 0.2]}, position: [0.45, 0, 0]}\n",
+    )
+}

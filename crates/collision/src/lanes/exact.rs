@@ -15,6 +15,7 @@ pub enum Contact {
 }
 
 /// The first thing that the spheres of a configuration touch; `obstacles` are in the root frame.
+/// `margin` is kept from them only. Links that no joint moves are mounted among them, and may touch.
 pub fn contact(
     group: &Group,
     spheres: &[Vec<Sphere>],
@@ -30,8 +31,9 @@ pub fn contact(
         .zip(&frames)
         .map(|(own, frame)| own.iter().map(|s| Sphere { centre: frame.point(s.centre), ..*s }).collect())
         .collect();
+    let moves = |link: usize| group.kinematics.moved_by[link] != 0 || group.kinematics.moved_by_hand[link];
     for (number, (pose, convex)) in obstacles.iter().enumerate() {
-        for (link, own) in placed.iter().enumerate() {
+        for (link, own) in placed.iter().enumerate().filter(|(link, _)| moves(*link)) {
             let near = |s: &Sphere| {
                 let point = Convex::Sphere { radius: 0.0 };
                 closer_than(&point, &Pose::from_translation(s.centre), convex, pose, s.radius + margin)
@@ -46,7 +48,7 @@ pub fn contact(
             if unchecked.contains(&(a, b)) {
                 continue;
             }
-            let near = |s: &Sphere| placed[b].iter().any(|t| s.centre.distance(t.centre) < s.radius + t.radius + margin);
+            let near = |s: &Sphere| placed[b].iter().any(|t| s.centre.distance(t.centre) < s.radius + t.radius);
             if placed[a].iter().any(near) {
                 return Some(Contact::Links(a, b));
             }
@@ -55,11 +57,17 @@ pub fn contact(
     None
 }
 
+/// Postures that say how often two links touch.
+const SAMPLES: usize = 256;
+/// Spheres of two links that touch in at least this part of the postures, while the links' shapes
+/// never do, only say that the links are close neighbours.
+const CLOSE: f64 = 0.2;
+
 /// Which pairs of links need no check: those that the SRDF names, those that do not move against
-/// each other, and those that touch in every one of some postures spread over the joints' ranges.
-/// Without an SRDF, links joined by a joint as well.
+/// each other, and, by postures spread over the joints' ranges, those that touch in every one of
+/// them, or whose spheres touch often and whose shapes never do. Without an SRDF, links joined by a
+/// joint as well.
 pub fn unchecked_pairs(group: &Group, spheres: &[Vec<Sphere>]) -> Vec<(usize, usize)> {
-    const SAMPLES: usize = 128;
     let still = |a: usize, b: usize| {
         group.kinematics.moved_by[a] == group.kinematics.moved_by[b]
             && group.kinematics.moved_by_hand[a] == group.kinematics.moved_by_hand[b]
@@ -73,15 +81,12 @@ pub fn unchecked_pairs(group: &Group, spheres: &[Vec<Sphere>]) -> Vec<(usize, us
             if named || still(a, b) || group.disabled_pairs.is_empty() && group.adjacent(a, b) {
                 unchecked.push((a, b));
             } else {
-                asked.push((a, b));
+                asked.push(Asked { a, b, touched: 0, apart: true });
             }
         }
     }
     let mut frames = Vec::new();
     for sample in 0..SAMPLES {
-        if asked.is_empty() {
-            break;
-        }
         // An additive sequence spreads the postures evenly.
         let q: Vec<f64> = (0..group.lower.len())
             .map(|j| {
@@ -90,14 +95,40 @@ pub fn unchecked_pairs(group: &Group, spheres: &[Vec<Sphere>]) -> Vec<(usize, us
             })
             .collect();
         group.kinematics.frames(&q, group.hand[0], &mut frames);
-        asked.retain(|&(a, b)| {
-            spheres[a].iter().any(|s| {
-                let at = frames[a].point(s.centre);
-                spheres[b].iter().any(|t| at.distance(frames[b].point(t.centre)) < s.radius + t.radius)
-            })
+        asked.retain_mut(|pair| {
+            let touch = spheres_touch(&spheres[pair.a], &frames[pair.a], &spheres[pair.b], &frames[pair.b]);
+            pair.touched += usize::from(touch);
+            pair.apart = pair.apart && !(touch && shapes_touch(group, pair.a, pair.b, &frames));
+            // Neither rule can hold any more.
+            pair.apart || pair.touched == sample + 1
         });
     }
-    unchecked.extend(asked);
+    let often = |pair: &&Asked| pair.touched == SAMPLES || pair.apart && pair.touched as f64 >= CLOSE * SAMPLES as f64;
+    unchecked.extend(asked.iter().filter(often).map(|pair| (pair.a, pair.b)));
     unchecked.sort_unstable();
     unchecked
+}
+
+/// Two links, and what the postures so far say.
+struct Asked {
+    a: usize,
+    b: usize,
+    /// In how many of them spheres touch.
+    touched: usize,
+    /// The shapes touch in none.
+    apart: bool,
+}
+
+fn spheres_touch(own: &[Sphere], root_from_own: &Pose, others: &[Sphere], root_from_others: &Pose) -> bool {
+    let placed: Vec<Sphere> =
+        others.iter().map(|t| Sphere { centre: root_from_others.point(t.centre), ..*t }).collect();
+    own.iter().any(|s| {
+        let at = root_from_own.point(s.centre);
+        placed.iter().any(|t| at.distance(t.centre) < s.radius + t.radius)
+    })
+}
+
+fn shapes_touch(group: &Group, a: usize, b: usize, frames: &[Pose]) -> bool {
+    let parts = |link: usize| group.links[link].collision.parts.iter().map(move |(pose, c)| (frames[link] * *pose, c));
+    parts(a).any(|(pa, ca)| parts(b).any(|(pb, cb)| closer_than(ca, &pa, cb, &pb, 0.0)))
 }

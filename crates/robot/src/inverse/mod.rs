@@ -56,6 +56,12 @@ impl InverseKinematics {
         Self { chain: Chain::of(kinematics), lower: robot.lower.clone(), upper: robot.upper.clone(), method }
     }
 
+    /// By descent from seeds, even where a closed form is known: to measure the one beside the other.
+    pub fn numeric(robot: &crate::Robot, kinematics: &Kinematics) -> Self {
+        let method = Method::Numeric(numeric::seeds(robot));
+        Self { chain: Chain::of(kinematics), lower: robot.lower.clone(), upper: robot.upper.clone(), method }
+    }
+
     /// In words, for reports.
     pub fn describe(&self) -> &'static str {
         match self.method {
