@@ -15,6 +15,7 @@ mod motion;
 mod outcome;
 mod written;
 
+pub use clearway_collision::CollisionModel;
 pub use clearway_export as export;
 pub use clearway_files::FileError;
 pub use clearway_plan::event::{Event, Observer, Silent};

@@ -11,6 +11,7 @@
 
 mod directions;
 pub mod lanes;
+mod model;
 mod moment;
 mod obstacle;
 mod pairs;
@@ -21,6 +22,7 @@ mod report;
 mod suspects;
 mod world;
 
+pub use model::CollisionModel;
 pub use moment::{Held, Lean, Moment};
 pub use obstacle::Obstacle;
 pub use pairs::unchecked_pairs;

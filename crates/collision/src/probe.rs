@@ -38,10 +38,10 @@ impl Slack {
         let moved = |reach: &[f64], longer: f64| -> f64 {
             joints.iter().zip(reach).map(|(d, r)| if *r > 0.0 { d * (r + longer) } else { 0.0 }).sum()
         };
-        self.links.extend(world.link_reach.iter().map(|reach| moved(reach, 0.0)));
+        self.links.extend(world.model.link_reach.iter().map(|reach| moved(reach, 0.0)));
         let held = moment.held.as_ref().map_or(0.0, |h| {
             let far = |p: &MovingPart| h.tool_from_object.point(p.pose.translation).length() + p.radius;
-            moved(&world.tool_reach, h.parts.iter().map(far).fold(0.0, f64::max))
+            moved(&world.model.tool_reach, h.parts.iter().map(far).fold(0.0, f64::max))
         });
         self.links.push(held);
     }
@@ -58,8 +58,8 @@ impl Slack {
 
     /// How far link `b` moves as seen from link `a`: only joints between them count.
     pub(crate) fn between(&self, world: &World, a: usize, b: usize) -> f64 {
-        let apart = world.kinematics.moved_by[a] ^ world.kinematics.moved_by[b];
-        let reach = |j: usize| world.link_reach[a][j].max(world.link_reach[b][j]);
+        let apart = world.model.kinematics.moved_by[a] ^ world.model.kinematics.moved_by[b];
+        let reach = |j: usize| world.model.link_reach[a][j].max(world.model.link_reach[b][j]);
         self.joints.iter().enumerate().filter(|(j, _)| apart >> j & 1 == 1).map(|(j, d)| d * reach(j)).sum()
     }
 }
@@ -87,7 +87,7 @@ impl World {
         let Scratch { frames, centres, directions, .. } = scratch;
         let (frames, centres): (&[Pose], &[Vec3]) = (frames, centres);
         if let Some(lean) = moment.lean
-            && (frames[self.kinematics.tool].rotation * lean.axis).dot(lean.upward) < lean.least
+            && (frames[self.model.kinematics.tool].rotation * lean.axis).dot(lean.upward) < lean.least
         {
             return Probe::Hit;
         }
@@ -109,11 +109,11 @@ impl World {
             }};
         }
         if let Some(held) = &moment.held {
-            let last = self.links.len();
-            let root_from_object = frames[self.kinematics.tool] * held.tool_from_object;
+            let last = self.model.links.len();
+            let root_from_object = frames[self.model.kinematics.tool] * held.tool_from_object;
             for part in held.parts.iter() {
                 check!(|s: &Slack| s.links[last], |more| self.held_near(part, &root_from_object, moment, held, moment.held_margin + more, directions));
-                for (index, link) in self.links.iter().enumerate() {
+                for (index, link) in self.model.links.iter().enumerate() {
                     let Some(link) = link.as_ref().filter(|l| !l.hand) else { continue };
                     check!(|s: &Slack| s.links[last] + s.links[index], |more: f64| {
                         held_near_link(part, &root_from_object, link, &frames[index], moment.held_margin + more, directions)
@@ -124,7 +124,7 @@ impl World {
         if !links {
             return if around.is_some() { Probe::Around } else { Probe::Here };
         }
-        for (index, link) in self.links.iter().enumerate().rev() {
+        for (index, link) in self.model.links.iter().enumerate().rev() {
             let Some(link) = link.as_ref().filter(|l| !l.still) else { continue };
             let (frame, centre) = (&frames[index], centres[index]);
             for fixture in &self.fixtures {
@@ -140,8 +140,8 @@ impl World {
                 check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, centre, placed, margin + more, directions));
             }
         }
-        for &(a, b) in &self.pairs {
-            let (Some(la), Some(lb)) = (&self.links[a], &self.links[b]) else { continue };
+        for &(a, b) in &self.model.pairs {
+            let (Some(la), Some(lb)) = (&self.model.links[a], &self.model.links[b]) else { continue };
             check!(|s: &Slack| s.between(self, a, b), |more: f64| {
                 links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN + more, directions)
             });

@@ -3,7 +3,8 @@
 use crate::directions::Directions;
 use crate::moment::Moment;
 use crate::obstacle::{MovingPart, Obstacle};
-use crate::world::{LinkBody, World};
+use crate::model::LinkBody;
+use crate::world::World;
 use clearway_geometry::{Pose, Vec3};
 use clearway_plan::ObjectSet;
 use clearway_robot::Sphere;
@@ -80,7 +81,7 @@ impl World {
 
     fn held_meets_placed(&self, moment: &Moment, frames: &[Pose], directions: &mut Directions, touched: &mut ObjectSet) -> bool {
         moment.held.as_ref().is_some_and(|held| {
-            let root_from_object = frames[self.kinematics.tool] * held.tool_from_object;
+            let root_from_object = frames[self.model.kinematics.tool] * held.tool_from_object;
             held.parts.iter().any(|part| self.held_part_meets(part, &root_from_object, moment, frames, held, directions, touched))
         })
     }
@@ -88,16 +89,16 @@ impl World {
     /// Computes the links' frames and middles for a posture.
     #[inline]
     pub(crate) fn place_links(&self, posture: &[f64], hand: f64, scratch: &mut Scratch) {
-        self.kinematics.frames(posture, hand, &mut scratch.frames);
+        self.model.kinematics.frames(posture, hand, &mut scratch.frames);
         scratch.centres.clear();
         let middle = |(link, frame): (&Option<LinkBody>, &Pose)| link.as_ref().map_or(Vec3::ZERO, |l| frame.point(l.bound.centre));
-        scratch.centres.extend(self.links.iter().zip(&scratch.frames).map(middle));
+        scratch.centres.extend(self.model.links.iter().zip(&scratch.frames).map(middle));
     }
 
     /// The links with shapes that move, with their frames and middles.
     #[inline]
     fn moving<'a>(&'a self, frames: &'a [Pose], centres: &'a [Vec3]) -> impl Iterator<Item = (&'a LinkBody, &'a Pose, Vec3)> {
-        self.links
+        self.model.links
             .iter()
             .zip(frames.iter().zip(centres))
             .filter_map(|(l, (f, c))| l.as_ref().filter(|l| !l.still).map(|l| (l, f, *c)))
@@ -131,7 +132,7 @@ impl World {
                 touched.insert(id);
             }
         }
-        self.links.iter().zip(frames).any(|(link, frame)| {
+        self.model.links.iter().zip(frames).any(|(link, frame)| {
             link.as_ref().is_some_and(|l| !l.hand && held_near_link(part, root_from_object, l, frame, margin, directions))
         })
     }
@@ -139,8 +140,8 @@ impl World {
     /// Whether two links come closer than they should.
     #[inline]
     pub(crate) fn meets_itself(&self, frames: &[Pose], centres: &[Vec3], directions: &mut Directions) -> bool {
-        self.pairs.iter().any(|&(a, b)| {
-            let (Some(la), Some(lb)) = (&self.links[a], &self.links[b]) else { return false };
+        self.model.pairs.iter().any(|&(a, b)| {
+            let (Some(la), Some(lb)) = (&self.model.links[a], &self.model.links[b]) else { return false };
             links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN, directions)
         })
     }

@@ -53,9 +53,9 @@ impl<'a> Quick<'a> {
         let obstacles = Obstacles::new(pieces);
         let mut standing = Vec::new();
         obstacles.mask(|_| true, &mut standing);
-        let kernel = &world.kernel;
+        let kernel = &world.model.kernel;
         let upright = moment.lean.map(|lean| {
-            let seat = kernel.body.chain.seats[world.kinematics.tool];
+            let seat = kernel.body.chain.seats[world.model.kinematics.tool];
             Upright {
                 frame: seat.frame,
                 axis: (seat.frame_from_link.rotation * lean.axis).to_array().map(|x| x as f32),
@@ -70,7 +70,7 @@ impl<'a> Quick<'a> {
                 obstacles.mask(|owner| apart.contains(&(owner as usize)), never);
             }
         }
-        let joints = vec![Lanes::ZERO; world.kinematics.arm_joints];
+        let joints = vec![Lanes::ZERO; world.model.kinematics.arm_joints];
         let scratch = kernel.scratch();
         Self { kernel, obstacles, standing, margin: moment.margin as f32, hand: moment.hand as f32, upright, never, scratch, joints }
     }

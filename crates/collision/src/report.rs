@@ -3,7 +3,8 @@
 use crate::directions::Directions;
 use crate::moment::Moment;
 use crate::query::{link_near, links_near};
-use crate::world::{LinkBody, World};
+use crate::model::LinkBody;
+use crate::world::World;
 use clearway_geometry::Pose;
 use clearway_scene::Scene;
 use std::fmt;
@@ -31,20 +32,20 @@ impl World {
     /// 0 means exact touching. The root link may meet what it is mounted on.
     pub fn contacts(&self, scene: &Scene, posture: &[f64], moment: &Moment, margin: f64) -> Vec<Contact> {
         let mut frames = Vec::new();
-        self.kinematics.frames(posture, moment.hand, &mut frames);
+        self.model.kinematics.frames(posture, moment.hand, &mut frames);
         let mut contacts = Vec::new();
         let directions = &mut Directions::default();
         let middle = |link: &LinkBody, frame: &Pose| frame.point(link.bound.centre);
         let name = |i: usize| self.robot.links[i].name.clone();
-        for &(a, b) in &self.pairs {
-            if let (Some(la), Some(lb)) = (&self.links[a], &self.links[b])
+        for &(a, b) in &self.model.pairs {
+            if let (Some(la), Some(lb)) = (&self.model.links[a], &self.model.links[b])
                 && links_near((la, &frames[a], middle(la, &frames[a])), (lb, &frames[b], middle(lb, &frames[b])), margin, directions)
             {
                 contacts.push(Contact::Links(name(a), name(b)));
             }
         }
-        for (index, (link, frame)) in self.links.iter().zip(&frames).enumerate() {
-            let Some(link) = link.as_ref().filter(|_| !self.mounted(index)) else { continue };
+        for (index, (link, frame)) in self.model.links.iter().zip(&frames).enumerate() {
+            let Some(link) = link.as_ref().filter(|_| !self.robot.mounted(index)) else { continue };
             for (fixture, obstacle) in scene.fixtures.iter().zip(&self.fixtures) {
                 if link_near(link, frame, middle(link, frame), obstacle, margin, directions) {
                     contacts.push(Contact::Fixture { link: name(index), fixture: fixture.id.clone() });

@@ -52,7 +52,7 @@ impl World {
         }
         let Scratch { frames, centres, directions, .. } = scratch;
         for suspect in suspects.obstacles.iter().filter(of_lane) {
-            let (Some(link), Some((owner, obstacle))) = (&self.links[suspect.link], self.owner(moment, suspect.other)) else {
+            let (Some(link), Some((owner, obstacle))) = (&self.model.links[suspect.link], self.owner(moment, suspect.other)) else {
                 continue;
             };
             if matches!(owner, Owner::Standing(id) if touched.contains(id)) {
@@ -68,7 +68,7 @@ impl World {
         }
         let meets = |s: &Suspect| {
             let (a, b) = (s.link, s.other);
-            let (Some(la), Some(lb)) = (&self.links[a], &self.links[b]) else { return false };
+            let (Some(la), Some(lb)) = (&self.model.links[a], &self.model.links[b]) else { return false };
             links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN, directions)
         };
         if suspects.pairs.iter().filter(of_lane).any(meets) { Touch::Fixed } else { Touch::Objects(touched) }
@@ -96,7 +96,7 @@ impl World {
         let mut around = slack.filter(|_| held == Probe::Around);
         for suspect in &suspects.obstacles {
             let index = suspect.link;
-            let (Some(link), Some((owner, obstacle))) = (&self.links[index], self.owner(moment, suspect.other)) else {
+            let (Some(link), Some((owner, obstacle))) = (&self.model.links[index], self.owner(moment, suspect.other)) else {
                 continue;
             };
             let margin = self.margin(moment, &owner, link.hand);
@@ -110,7 +110,7 @@ impl World {
         }
         for suspect in &suspects.pairs {
             let (a, b) = (suspect.link, suspect.other);
-            let (Some(la), Some(lb)) = (&self.links[a], &self.links[b]) else { continue };
+            let (Some(la), Some(lb)) = (&self.model.links[a], &self.model.links[b]) else { continue };
             let mut near = |more: f64| {
                 links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN + more, directions)
             };

@@ -1,7 +1,7 @@
 //! Collision answers against brute force on the example shelf.
 #![allow(clippy::unwrap_used)]
 
-use clearway_collision::{Held, Moment, Probe, Scratch, Slack, Touch, World};
+use clearway_collision::{CollisionModel, Held, Moment, Probe, Scratch, Slack, Touch, World};
 use clearway_geometry::Pose;
 use clearway_geometry::distance::distance;
 use clearway_plan::{ObjectId, ObjectSet};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 fn shelf() -> (Scene, World) {
     let scene = Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/shelf.yaml")).unwrap();
     let robot = Arc::new(Robot::load(&scene.file.robot.model, Path::new("."), &[]).unwrap());
-    let world = World::new(robot, &scene);
+    let world = World::new(Arc::new(CollisionModel::new(robot)), &scene);
     (scene, world)
 }
 
@@ -37,16 +37,16 @@ fn held(world: &World, object: ObjectId) -> Held {
 /// The least distance of the moving links and what is held to each object, by GJK without filters.
 fn brute_force(world: &World, q: &[f64], moment: &Moment) -> Vec<f64> {
     let mut frames = Vec::new();
-    world.kinematics.frames(q, moment.hand, &mut frames);
+    world.model.kinematics.frames(q, moment.hand, &mut frames);
     let mut shapes = Vec::new();
     for (link, frame) in world.robot.links.iter().zip(&frames) {
         let index = world.robot.link(&link.name).unwrap();
-        if world.kinematics.moved_by[index] != 0 {
+        if world.model.kinematics.moved_by[index] != 0 {
             shapes.extend(link.collision.parts.iter().map(|(p, c)| (*frame * *p, c.clone())));
         }
     }
     if let Some(held) = &moment.held {
-        let frame = frames[world.kinematics.tool] * held.tool_from_object;
+        let frame = frames[world.model.kinematics.tool] * held.tool_from_object;
         shapes.extend(held.parts.iter().map(|p| (frame * p.pose, p.convex.clone())));
     }
     world

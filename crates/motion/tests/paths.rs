@@ -1,7 +1,7 @@
 //! Paths on the example shelf: free when checked again much finer, ends kept, shorter after shortening.
 #![allow(clippy::unwrap_used)]
 
-use clearway_collision::{Moment, Scratch, World};
+use clearway_collision::{CollisionModel, Moment, Scratch, World};
 use clearway_motion::{
     Halton, Limits, RrtSettings, Space, Trees, connect, distance, length, shorten, slowdowns, smooth, time_curve,
 };
@@ -17,7 +17,7 @@ use std::sync::Arc;
 fn paths_are_free_and_timed_within_limits() {
     let scene = Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/shelf.yaml")).unwrap();
     let robot = Arc::new(Robot::load(&scene.file.robot.model, Path::new("."), &[]).unwrap());
-    let world = World::new(robot, &scene);
+    let world = World::new(Arc::new(CollisionModel::new(robot)), &scene);
     let moment = Moment::new(ObjectSet::first(scene.objects.len()), 0.0, 0.002);
     let mut space = Space::new(&world, &moment, 0.01);
     let mut random = Xoshiro256PlusPlus::seed_from_u64(11);

@@ -267,7 +267,7 @@ impl<R: Rng> Carrier<'_, R> {
         // it is lifted there, or lowered.
         let (from, to) = match resting_within {
             Some(reach) => {
-                let tool = |q: &Posture| self.world.kinematics.tool(q, moment.hand).translation;
+                let tool = |q: &Posture| self.world.model.kinematics.tool(q, moment.hand).translation;
                 let (first, last) = (tool(&rows[0]), tool(&rows[rows.len() - 1]));
                 let low = |q: &Posture, end: Vec3| {
                     let off = tool(q) - end;
@@ -292,7 +292,7 @@ impl<R: Rng> Carrier<'_, R> {
     fn level_motion(&mut self, moment: &Moment, start: &Posture, goal: &Posture, what: &'static str) -> Attempt<Path> {
         let world = self.world;
         let up = world.up();
-        let (from, to) = (world.kinematics.tool(start, moment.hand), world.kinematics.tool(goal, moment.hand));
+        let (from, to) = (world.model.kinematics.tool(start, moment.hand), world.model.kinematics.tool(goal, moment.hand));
         let level = Moment {
             lean: Some(Lean { axis: from.rotation.transpose() * up, upward: up, least: self.settings.lean.cos() }),
             ..moment.clone()
@@ -449,7 +449,7 @@ impl<R: Rng> Carrier<'_, R> {
         };
         let gripped = there.positions.last().cloned().unwrap_or_default();
         let let_go = across.positions.last().cloned().unwrap_or_default();
-        let tool = |q: &Posture| self.world.kinematics.tool(q, open).translation;
+        let tool = |q: &Posture| self.world.model.kinematics.tool(q, open).translation;
         let mut segments = Vec::new();
         let begins = there.positions.iter().rposition(|q| tool(q).distance(tool(&gripped)) > standoff);
         let (transit, approach) = split(there, begins);

@@ -134,8 +134,8 @@ impl<'a> Fingers<'a> {
             .map(|i| {
                 let gap = hand.widest() * (1.0 - i as f64 / STAGES as f64);
                 let value = hand.joint_at(gap);
-                world.kinematics.frames(&world.robot.home, value, &mut frames);
-                let back = frames[world.kinematics.tool].inverse();
+                world.model.kinematics.frames(&world.robot.home, value, &mut frames);
+                let back = frames[world.model.kinematics.tool].inverse();
                 (value, hand.links.iter().map(|&l| (l, back * frames[l])).collect())
             })
             .collect();
@@ -176,8 +176,8 @@ impl<'a> Fingers<'a> {
         let mut frames = Vec::new();
         for _ in 0..12 {
             let middle = (open + shut) / 2.0;
-            self.world.kinematics.frames(&self.world.robot.home, middle, &mut frames);
-            let back = frames[self.world.kinematics.tool].inverse();
+            self.world.model.kinematics.frames(&self.world.robot.home, middle, &mut frames);
+            let back = frames[self.world.model.kinematics.tool].inverse();
             let links: Vec<(usize, Pose)> = self.world.robot.hand.links.iter().map(|&l| (l, back * frames[l])).collect();
             if near(self.world, &links, solid, &tool_from_object, 2e-5) { shut = middle } else { open = middle }
         }

@@ -11,7 +11,7 @@ use crate::place;
 use crate::roadmap::{self, Roadmap};
 use crate::trace;
 use crate::ways::{self, Explorer, Ways};
-use clearway_collision::{Contact, Moment, Scratch, Touch, World};
+use clearway_collision::{CollisionModel, Contact, Moment, Scratch, Touch, World};
 use clearway_motion::{Posture, Trees};
 use clearway_plan::event::Observer;
 use clearway_plan::plan_file::{PlanFile, Stats, Status, Timing};
@@ -116,8 +116,14 @@ pub enum SceneDelta {
 
 impl Planner {
     pub fn new(scene: Scene, robot: Arc<Robot>, settings: Settings) -> Result<Self, Unfit> {
-        let world = World::new(robot.clone(), &scene);
-        let inverse = InverseKinematics::new(&robot, &world.kinematics);
+        Self::with_model(scene, Arc::new(CollisionModel::new(robot)), settings)
+    }
+
+    /// A session for one of several scenes with the same robot, which is made ready only once.
+    pub fn with_model(scene: Scene, model: Arc<CollisionModel>, settings: Settings) -> Result<Self, Unfit> {
+        let world = World::new(model, &scene);
+        let robot = world.robot.clone();
+        let inverse = InverseKinematics::new(&robot, &world.model.kinematics);
         let start = start_posture(&scene, &robot)?;
         let moment = Moment::new(ObjectSet::first(scene.objects.len()), robot.hand.open(), 0.0);
         let contacts = world.contacts(&scene, &start, &moment, 1e-5);

@@ -49,7 +49,7 @@ pub fn plan_file(
         status,
         seed: 0,
         scene: view.scene.file.clone(),
-        robot: planned_robot(&view.world.robot, &view.world.unchecked, view.scene),
+        robot: planned_robot(&view.world.robot, &view.world.model.unchecked, view.scene),
         removed,
         lower_bound,
         steps: carried.into_iter().map(|c| c.step).collect(),
