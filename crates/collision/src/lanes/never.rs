@@ -11,11 +11,12 @@
 use clearway_geometry::distance::closer_than;
 use clearway_geometry::{Convex, Mat3, Pose, Solid, Vec3};
 use clearway_robot::{Group, Motion, Sphere};
+use std::f64::consts::{PI, TAU};
 
 /// Boxes looked at for the spheres of one pair of links.
 const MOST_BOXES: usize = 128;
 /// Boxes looked at for one pair of links.
-const MOST_LINK_BOXES: usize = 150;
+const MOST_LINK_BOXES: usize = 1000;
 const MOST_LINK_JOINTS: usize = 2;
 /// With more joints between two links than this, no box is small soon.
 const MOST_JOINTS: usize = 3;
@@ -45,7 +46,10 @@ impl Relative {
                     let value = |v: f64| source.multiplier * v + source.offset;
                     let (low, high) = group.range(source.variable);
                     let (low, high) = (value(low), value(high));
-                    ranges.push((low.min(high), low.max(high)));
+                    let (low, high) = (low.min(high), low.max(high));
+                    // More than a turn shows nothing new.
+                    let turns = matches!(step.motion, Motion::Turn { .. }) && high - low > TAU;
+                    ranges.push(if turns { (-PI, PI) } else { (low, high) });
                 }
             }
             at = step.parent;
