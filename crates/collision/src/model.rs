@@ -4,7 +4,7 @@ use crate::lanes::{Body, Kernel, Relative, Settings as BodySettings};
 use crate::obstacle::MovingPart;
 use crate::query::SELF_MARGIN;
 use crate::world::moving_parts;
-use clearway_geometry::Convex;
+use clearway_geometry::{Convex, Solid};
 use clearway_robot::{Group, JointKind, Kinematics, Robot, Sphere, bounding_sphere, cover};
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ pub struct CollisionModel {
     pub tool_reach: Vec<f64>,
     /// The robot's joints as a group, and its links covered by spheres, for quick answers.
     pub group: Group,
-    pub kernel: Kernel,
+    pub kernel: Arc<Kernel>,
 }
 
 /// A hull of more corners than this is asked only where spheres that cover it are near.
@@ -52,6 +52,7 @@ const HAND_CELL: f64 = 0.03;
 /// The same for the kernel's spheres, which stand for the link.
 const KERNEL_ARM_CELL: f64 = 0.04;
 const KERNEL_HAND_CELL: f64 = 0.015;
+const KERNEL_HELD_CELL: f64 = 0.02;
 
 impl CollisionModel {
     pub fn new(robot: Arc<Robot>) -> Self {
@@ -79,9 +80,28 @@ impl CollisionModel {
             .collect();
         let tool_reach = reach(&robot, &kinematics, robot.hand.frame, 0.0);
         let group = Group::from(&*robot);
-        let kernel = kernel(&robot, &group, &pairs);
+        let kernel = Arc::new(kernel(&robot, &group, &pairs));
         Self { robot, kinematics, links, pairs, unchecked, link_reach, tool_reach, group, kernel }
     }
+}
+
+impl CollisionModel {
+    /// The kernel of the robot with something in its hand: parts in the tool's frame.
+    pub fn holding(&self, held: &Solid) -> Arc<Kernel> {
+        let hand: Vec<usize> = (0..self.links.len()).filter(|&l| self.links[l].as_ref().is_some_and(|l| l.hand)).collect();
+        let spheres = cover(held, KERNEL_HELD_CELL);
+        let body = self.kernel.body.with_attached(&self.group, self.kinematics.tool, &spheres, &hand, &body_settings());
+        Arc::new(Kernel { body, level: self.kernel.level })
+    }
+
+    /// The index by which suspects name what is held.
+    pub fn held_index(&self) -> usize {
+        self.links.len()
+    }
+}
+
+fn body_settings() -> BodySettings {
+    BodySettings { self_margin: SELF_MARGIN, ..BodySettings::default() }
 }
 
 /// The links' spheres, made ready for the kernel.
@@ -94,8 +114,7 @@ fn kernel(robot: &Robot, group: &Group, pairs: &[(usize, usize)]) -> Kernel {
         Relative::new(group, a, b).always_apart(&robot.links[a].collision, &robot.links[b].collision, SELF_MARGIN)
     };
     let unchecked = all.filter(|&(a, b)| !pairs.contains(&(a, b)) || apart(a, b)).collect();
-    let settings = BodySettings { self_margin: SELF_MARGIN, ..BodySettings::default() };
-    Kernel::new(Body::new(group, &spheres, unchecked, &settings))
+    Kernel::new(Body::new(group, &spheres, unchecked, &body_settings()))
 }
 
 /// For each arm joint that moves `link`: the chain's lengths from the joint to the link, added up,

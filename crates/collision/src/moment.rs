@@ -1,7 +1,8 @@
 //! What is the case at one time of a plan.
 
+use crate::lanes::Kernel;
 use crate::obstacle::{MovingPart, Obstacle};
-use clearway_geometry::{Pose, Vec3};
+use clearway_geometry::{Pose, Solid, Vec3};
 use clearway_plan::{ObjectId, ObjectSet};
 use std::sync::Arc;
 
@@ -17,6 +18,16 @@ pub struct Held {
     pub fixtures_below: Vec<usize>,
     /// Likewise, standing objects.
     pub objects_below: ObjectSet,
+    /// The robot with the object in its hand, for quick answers; without it what is held is looked
+    /// at exactly everywhere.
+    pub kernel: Option<Arc<Kernel>>,
+}
+
+impl Held {
+    /// Something held, as it is for the tool.
+    pub fn solid(&self) -> Solid {
+        Solid { parts: self.parts.iter().map(|p| (self.tool_from_object * p.pose, p.convex.clone())).collect() }
+    }
 }
 
 /// How far a direction of the tool may lean from where it should point.

@@ -2,7 +2,7 @@
 //! far enough, for all postures that a given motion reaches from it: then none of those need be
 //! looked at. That is conservative advancement with a yes or no in place of a distance.
 
-use crate::moment::Moment;
+use crate::moment::{Lean, Moment};
 use crate::directions::Directions;
 use crate::obstacle::{MovingPart, Obstacle};
 use crate::query::{SELF_MARGIN, Scratch, held_near, held_near_link, link_near, links_near};
@@ -73,22 +73,11 @@ impl World {
 
     /// Probes a posture; with `slack`, also what lies around it.
     pub fn probe(&self, posture: &[f64], moment: &Moment, slack: Option<&Slack>, scratch: &mut Scratch) -> Probe {
-        self.probe_some(posture, moment, slack, true, scratch)
-    }
-
-    /// The same for what is held alone: whether it leans too far or meets anything, links included.
-    pub fn probe_held(&self, posture: &[f64], moment: &Moment, slack: Option<&Slack>, scratch: &mut Scratch) -> Probe {
-        self.probe_some(posture, moment, slack, false, scratch)
-    }
-
-    fn probe_some(&self, posture: &[f64], moment: &Moment, slack: Option<&Slack>, links: bool, scratch: &mut Scratch) -> Probe {
         scratch.checked += 1;
         self.place_links(posture, moment.hand, scratch);
         let Scratch { frames, centres, directions, .. } = scratch;
         let (frames, centres): (&[Pose], &[Vec3]) = (frames, centres);
-        if let Some(lean) = moment.lean
-            && (frames[self.model.kinematics.tool].rotation * lean.axis).dot(lean.upward) < lean.least
-        {
+        if self.leans(frames, moment) {
             return Probe::Hit;
         }
         // Once something is near, the rest is only asked whether it is hit.
@@ -121,9 +110,6 @@ impl World {
                 }
             }
         }
-        if !links {
-            return if around.is_some() { Probe::Around } else { Probe::Here };
-        }
         for (index, link) in self.model.links.iter().enumerate().rev() {
             let Some(link) = link.as_ref().filter(|l| !l.still) else { continue };
             let (frame, centre) = (&frames[index], centres[index]);
@@ -147,6 +133,21 @@ impl World {
             });
         }
         if around.is_some() { Probe::Around } else { Probe::Here }
+    }
+
+    /// Whether the tool leans farther than the moment allows.
+    fn leans(&self, frames: &[Pose], moment: &Moment) -> bool {
+        let up = |lean: &Lean| (frames[self.model.kinematics.tool].rotation * lean.axis).dot(lean.upward);
+        moment.lean.as_ref().is_some_and(|lean| up(lean) < lean.least)
+    }
+
+    /// Whether any of these postures leans too far.
+    pub fn any_leans(&self, postures: &[Vec<f64>], moment: &Moment, scratch: &mut Scratch) -> bool {
+        moment.lean.is_some()
+            && postures.iter().any(|q| {
+                self.model.kinematics.frames(q, moment.hand, &mut scratch.frames);
+                self.leans(&scratch.frames, moment)
+            })
     }
 
     /// Whether a part of what is held comes closer than `margin` to anything but the robot.

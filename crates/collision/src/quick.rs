@@ -1,15 +1,15 @@
-//! A moment as the kernel sees it: quick answers about the robot's links that err towards
-//! *touching*. What is held is left out: flat bottoms that slide over a shelf are no affair of
-//! spheres.
+//! A moment as the kernel sees it: quick answers that err towards *touching*.
 //!
 //! What is called free here is free of the exact shapes, too, margins included, for the spheres
-//! cover the links. Where the answer is *touching*, ask [`World`].
+//! cover the links and what is held. Where the answer is *touching*, ask [`World`].
 
 use crate::lanes::{Around, Kernel, LANES, Lanes, Obstacles, Piece, Scratch, Suspects, Upright};
 use crate::moment::Moment;
 use crate::obstacle::PlacedPart;
 use crate::world::World;
 use clearway_geometry::{Pose, Solid};
+use clearway_plan::ObjectId;
+use std::sync::Arc;
 
 /// What the kernel is asked with; a macro, so that only these fields are borrowed.
 macro_rules! around {
@@ -25,9 +25,10 @@ macro_rules! around {
     };
 }
 
-/// The world at one moment, what is held left out. Cheap to make: a microsecond per shape.
-pub struct Quick<'a> {
-    kernel: &'a Kernel,
+/// The world at one moment. Cheap to make: a microsecond per shape. What is held is left out where it
+/// brings no kernel of its own.
+pub struct Quick {
+    kernel: Arc<Kernel>,
     obstacles: Obstacles,
     standing: Vec<u16>,
     margin: f32,
@@ -38,8 +39,8 @@ pub struct Quick<'a> {
     joints: Vec<Lanes>,
 }
 
-impl<'a> Quick<'a> {
-    pub fn new(world: &'a World, moment: &Moment) -> Self {
+impl Quick {
+    pub fn new(world: &World, moment: &Moment) -> Self {
         let mut pieces: Vec<Piece> = Vec::new();
         let mut add = |parts: &[PlacedPart], owner: usize| {
             let solid = Solid { parts: parts.iter().map(|p| (p.root_from_part, p.convex.clone())).collect() };
@@ -53,7 +54,8 @@ impl<'a> Quick<'a> {
         let obstacles = Obstacles::new(pieces);
         let mut standing = Vec::new();
         obstacles.mask(|_| true, &mut standing);
-        let kernel = &world.model.kernel;
+        let held = moment.held.as_ref().and_then(|held| Some((held, held.kernel.as_ref()?)));
+        let kernel = held.map_or(&world.model.kernel, |(_, kernel)| kernel).clone();
         let upright = moment.lean.map(|lean| {
             let seat = kernel.body.chain.seats[world.model.kinematics.tool];
             Upright {
@@ -65,9 +67,13 @@ impl<'a> Quick<'a> {
         });
         let mut never = vec![Vec::new(); kernel.body.parts.len()];
         for (part, never) in kernel.body.parts.iter().zip(&mut never) {
-            let apart = &world.apart[part.link];
-            if !apart.is_empty() {
-                obstacles.mask(|owner| apart.contains(&(owner as usize)), never);
+            if let Some(apart) = world.apart.get(part.link) {
+                if !apart.is_empty() {
+                    obstacles.mask(|owner| apart.contains(&(owner as usize)), never);
+                }
+            } else if let Some((held, _)) = held.filter(|_| moment.resting) {
+                let below = |owner: usize| held.fixtures_below.contains(&owner) || (fixtures..placed).contains(&owner) && held.objects_below.contains(ObjectId((owner - fixtures) as u16));
+                obstacles.mask(|owner| below(owner as usize), never);
             }
         }
         let joints = vec![Lanes::ZERO; world.model.kinematics.arm_joints];

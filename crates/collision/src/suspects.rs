@@ -4,7 +4,7 @@ use crate::lanes::{Suspect, Suspects};
 use crate::moment::Moment;
 use crate::obstacle::Obstacle;
 use crate::probe::{Probe, Slack};
-use crate::query::{SELF_MARGIN, Scratch, Touch, link_near, links_near};
+use crate::query::{SELF_MARGIN, Scratch, Touch, held_near, held_near_link, link_near, links_near};
 use crate::world::World;
 use clearway_plan::{ObjectId, ObjectSet};
 
@@ -75,7 +75,7 @@ impl World {
     }
 
     /// [`World::probe`], for a posture that is known to touch nothing but the suspects, nor anywhere
-    /// in the motion asked about, what is held aside.
+    /// in the motion asked about. What the posture leans is not looked at.
     pub fn probe_among(
         &self,
         posture: &[f64],
@@ -84,23 +84,26 @@ impl World {
         suspects: &Suspects,
         scratch: &mut Scratch,
     ) -> Probe {
-        let held = if moment.held.is_some() { self.probe_held(posture, moment, slack, scratch) } else { Probe::Around };
-        if held == Probe::Hit {
-            return held;
-        }
-        if moment.held.is_none() {
-            scratch.checked += 1;
-            self.place_links(posture, moment.hand, scratch);
-        }
+        scratch.checked += 1;
+        self.place_links(posture, moment.hand, scratch);
         let Scratch { frames, centres, directions, .. } = scratch;
-        let mut around = slack.filter(|_| held == Probe::Around);
+        let held_index = self.model.held_index();
+        let held = moment.held.as_ref().map(|held| (held, frames[self.model.kinematics.tool] * held.tool_from_object));
+        let mut around = slack;
         for suspect in &suspects.obstacles {
             let index = suspect.link;
-            let (Some(link), Some((owner, obstacle))) = (&self.model.links[index], self.owner(moment, suspect.other)) else {
-                continue;
+            let Some((owner, obstacle)) = self.owner(moment, suspect.other) else { continue };
+            let mut near = |more: f64| match (self.model.links.get(index), &held) {
+                (Some(Some(link)), _) => {
+                    let margin = self.margin(moment, &owner, link.hand) + more;
+                    link_near(link, &frames[index], centres[index], obstacle, margin, directions)
+                }
+                (None, Some((held, frame))) => {
+                    let margin = moment.held_margin + more;
+                    held.parts.iter().any(|part| held_near(part, frame, obstacle, margin, directions))
+                }
+                _ => false,
             };
-            let margin = self.margin(moment, &owner, link.hand);
-            let mut near = |more: f64| link_near(link, &frames[index], centres[index], obstacle, margin + more, directions);
             if around.is_none_or(|s| near(s.link(index))) {
                 around = None;
                 if near(0.0) {
@@ -109,12 +112,21 @@ impl World {
             }
         }
         for suspect in &suspects.pairs {
+            // What is held comes last.
             let (a, b) = (suspect.link, suspect.other);
-            let (Some(la), Some(lb)) = (&self.model.links[a], &self.model.links[b]) else { continue };
-            let mut near = |more: f64| {
-                links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN + more, directions)
+            let Some(la) = &self.model.links[a] else { continue };
+            let mut near = |more: f64| match (self.model.links.get(b), &held) {
+                (Some(Some(lb)), _) => {
+                    links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN + more, directions)
+                }
+                (None, Some((held, frame))) => {
+                    let margin = moment.held_margin + more;
+                    held.parts.iter().any(|part| held_near_link(part, frame, la, &frames[a], margin, directions))
+                }
+                _ => false,
             };
-            if around.is_none_or(|s| near(s.between(self, a, b))) {
+            let moved = |s: &Slack| if b == held_index { s.link(a) + s.link(b) } else { s.between(self, a, b) };
+            if around.is_none_or(|s| near(moved(s))) {
                 around = None;
                 if near(0.0) {
                     return Probe::Hit;

@@ -26,6 +26,7 @@ fn posture(world: &World, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
 
 fn held(world: &World, object: ObjectId) -> Held {
     Held {
+        kernel: None,
         object,
         parts: world.carried[object.index()].clone(),
         tool_from_object: Pose::from_rpy([-std::f64::consts::FRAC_PI_2, 0.0, 0.0], clearway_geometry::Vec3::ZERO),

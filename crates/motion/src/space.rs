@@ -16,7 +16,7 @@ pub struct Space<'a> {
     slack: Slack,
     queue: VecDeque<(f64, f64)>,
     /// Asked first where there is one: what it calls free is free.
-    quick: Option<Quick<'a>>,
+    quick: Option<Quick>,
     suspects: Suspects,
 }
 
@@ -24,9 +24,7 @@ pub struct Space<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Whole {
     All,
-    /// What is held, and nothing else.
-    Held,
-    /// What is held, and what the kernel suspects.
+    /// What the kernel suspects.
     Suspects,
 }
 
@@ -38,9 +36,11 @@ impl<'a> Space<'a> {
         Self { world, moment, step, scratch: Scratch::default(), slack: Slack::default(), queue: VecDeque::new(), quick: None, suspects: Suspects::default() }
     }
 
-    /// The same, with the kernel asked first; worth its making for more than a few motions.
+    /// The same, with the kernel asked first, if it knows what is held; worth its making for more
+    /// than a few motions.
     pub fn quick(world: &'a World, moment: &'a Moment, step: f64) -> Self {
-        Self { quick: Some(Quick::new(world, moment)), ..Self::new(world, moment, step) }
+        let known = moment.held.as_ref().is_none_or(|held| held.kernel.is_some());
+        Self { quick: known.then(|| Quick::new(world, moment)), ..Self::new(world, moment, step) }
     }
 
     /// How many postures were checked so far.
@@ -74,11 +74,9 @@ impl<'a> Space<'a> {
         self.surely_free(a, b) || self.free(b) && self.rows_free(&line(a, b))
     }
 
-    /// Whether the kernel calls the straight line free for the links, and the exact shapes for what
-    /// is held; never without a kernel.
+    /// Whether the kernel calls the straight line free; never without a kernel.
     fn surely_free(&mut self, a: &[f64], b: &[f64]) -> bool {
         self.quick.as_mut().is_some_and(|q| q.motion_free(a, b, PER_RADIAN))
-            && (self.moment.held.is_none() || self.line_free_exactly(a, b, Whole::Held))
     }
 
     fn line_free_exactly(&mut self, a: &[f64], b: &[f64], whole: Whole) -> bool {
@@ -99,7 +97,6 @@ impl<'a> Space<'a> {
     fn look(&mut self, q: &[f64], slack: Option<&Slack>, whole: Whole) -> Probe {
         match whole {
             Whole::All => self.world.probe(q, self.moment, slack, &mut self.scratch),
-            Whole::Held => self.world.probe_held(q, self.moment, slack, &mut self.scratch),
             Whole::Suspects => self.world.probe_among(q, self.moment, slack, &self.suspects, &mut self.scratch),
         }
     }
@@ -109,6 +106,9 @@ impl<'a> Space<'a> {
         if self.quick.is_none() || rows.len() < 2 {
             return self.rows_free_exactly(rows, Whole::All);
         }
+        if self.world.any_leans(rows, self.moment, &mut self.scratch) {
+            return false;
+        }
         // Sixteen rows at a time, the last of them the next sixteen's first.
         let mut from = 0;
         while from + 1 < rows.len() {
@@ -117,7 +117,7 @@ impl<'a> Space<'a> {
             if let Some(quick) = &mut self.quick {
                 quick.rows_suspects(&rows[from..=to], &mut suspects);
             }
-            let none = suspects.is_empty() && self.moment.held.is_none();
+            let none = suspects.is_empty();
             self.suspects = suspects;
             if !none && !self.rows_free_exactly(&rows[from..=to], Whole::Suspects) {
                 return false;
@@ -254,8 +254,7 @@ impl MotionValidator for Surely<'_, '_> {
     }
 
     fn state_free(&mut self, q: &[f64]) -> bool {
-        let held = self.0.moment.held.is_some();
-        self.0.quick.as_mut().is_some_and(|k| k.free(q)) && (!held || self.0.look(q, None, Whole::Held) != Probe::Hit)
+        self.0.quick.as_mut().is_some_and(|k| k.free(q))
     }
 
     fn motion_free(&mut self, a: &[f64], b: &[f64]) -> bool {

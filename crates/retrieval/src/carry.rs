@@ -383,12 +383,13 @@ impl<R: Rng> Carrier<'_, R> {
             return None;
         }
         let (fixtures_below, objects_below) = world.below(object, &pose, 0.002);
-        let held = Held {
+        let mut held = Held {
             object,
             parts: world.carried[object.index()].clone(),
             tool_from_object: grasp.object_from_tool.inverse(),
             fixtures_below,
             objects_below,
+            kernel: None,
         };
         let mut resting = carrying.clone();
         resting.held = Some(held.clone());
@@ -432,6 +433,7 @@ impl<R: Rng> Carrier<'_, R> {
                 }
                 back.push(q);
             }
+            held.kernel = Some(world.model.holding(&held.solid()));
             return Some(Placement { pose, lower, back, held, transfer: Path::new() });
         }
         None

@@ -288,6 +288,7 @@ impl Explorer<'_> {
             tool_from_object: grasp.object_from_tool.inverse(),
             fixtures_below,
             objects_below,
+            kernel: None,
         });
         moment
     }

@@ -19,7 +19,10 @@ pub struct Ball {
 /// Some neighbouring spheres of one link.
 #[derive(Clone, Debug)]
 pub struct Part {
+    /// The link's index; what is attached has one more than the last.
     pub link: usize,
+    /// The link that it is on: itself, or what it is attached to.
+    pub carrier: usize,
     pub frame: usize,
     /// Holds them all.
     pub bound: Ball,
@@ -118,7 +121,7 @@ impl Body {
                 .collect();
             divide(&mut seated, settings, &mut |part| {
                 members.push(part.iter().map(|(i, _)| *i).collect());
-                body.add_part(link, seat.frame, part);
+                body.add_part((link, link), seat.frame, part);
             });
         }
         body.add_pairs(group, spheres, &members, settings);
@@ -126,11 +129,11 @@ impl Body {
         body
     }
 
-    fn add_part(&mut self, link: usize, frame: usize, spheres: &[(usize, Sphere)]) {
+    fn add_part(&mut self, (link, carrier): (usize, usize), frame: usize, spheres: &[(usize, Sphere)]) {
         let from = self.balls.len();
         let spheres: Vec<Sphere> = spheres.iter().map(|(_, s)| *s).collect();
         self.balls.extend(spheres.iter().map(ball));
-        self.parts.push(Part { link, frame, bound: ball(&bounding_sphere(&spheres)), balls: from..self.balls.len() });
+        self.parts.push(Part { link, carrier, frame, bound: ball(&bounding_sphere(&spheres)), balls: from..self.balls.len() });
     }
 
     /// `members`: by part, which of its link's spheres it has.
@@ -183,14 +186,15 @@ impl Body {
     }
 
     /// The same robot with spheres added to a link (in its frame): what a hand holds. They are
-    /// checked against all links but `beside`.
+    /// checked against all links but `beside`, and are told by the index after the last link's.
     pub fn with_attached(&self, group: &Group, link: usize, spheres: &[Sphere], beside: &[usize], settings: &Settings) -> Body {
         let mut body = self.clone();
         let seat = self.chain.seats[link];
+        let attached = self.chain.seats.len();
         let seated = spheres.iter().map(|s| Sphere { centre: seat.frame_from_link.point(s.centre), radius: s.radius });
         let mut seated: Vec<(usize, Sphere)> = seated.enumerate().collect();
         let first = body.parts.len();
-        divide(&mut seated, settings, &mut |part| body.add_part(link, seat.frame, part));
+        divide(&mut seated, settings, &mut |part| body.add_part((attached, link), seat.frame, part));
         for a in (0..first).filter(|&a| self.parts[a].frame != seat.frame && !beside.contains(&self.parts[a].link)) {
             for b in first..body.parts.len() {
                 body.add_pair(a, b, |_, _| true);
@@ -211,7 +215,7 @@ impl Body {
             .iter()
             .map(|part| {
                 let points: Vec<Vec3> = self.balls[part.balls.clone()].iter().chain([&part.bound]).map(middle).collect();
-                reach_of(group, part.link, &self.chain.seats[part.link].frame_from_link, &points)
+                reach_of(group, part.carrier, &self.chain.seats[part.carrier].frame_from_link, &points)
             })
             .collect();
         for (entity, part) in self.parts.iter().enumerate() {
