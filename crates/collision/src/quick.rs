@@ -4,7 +4,7 @@
 //! cover the links and what is held. Where the answer is *touching*, ask [`World`].
 
 use crate::lanes::{Around, Kernel, LANES, Lanes, Obstacles, Piece, Scratch, Suspects, Upright};
-use crate::moment::Moment;
+use crate::moment::{Held, Moment};
 use crate::obstacle::PlacedPart;
 use crate::world::World;
 use clearway_geometry::{Pose, Solid};
@@ -40,7 +40,16 @@ pub struct Quick {
 }
 
 impl Quick {
+    /// The links alone, what is held left out.
+    pub fn links(world: &World, moment: &Moment) -> Self {
+        Self::of(world, moment, None)
+    }
+
     pub fn new(world: &World, moment: &Moment) -> Self {
+        Self::of(world, moment, moment.held.as_ref().and_then(|held| Some((held, held.kernel.as_ref()?))))
+    }
+
+    fn of(world: &World, moment: &Moment, held: Option<(&Held, &Arc<Kernel>)>) -> Self {
         let mut pieces: Vec<Piece> = Vec::new();
         let mut add = |parts: &[PlacedPart], owner: usize| {
             let solid = Solid { parts: parts.iter().map(|p| (p.root_from_part, p.convex.clone())).collect() };
@@ -54,7 +63,6 @@ impl Quick {
         let obstacles = Obstacles::new(pieces);
         let mut standing = Vec::new();
         obstacles.mask(|_| true, &mut standing);
-        let held = moment.held.as_ref().and_then(|held| Some((held, held.kernel.as_ref()?)));
         let kernel = held.map_or(&world.model.kernel, |(_, kernel)| kernel).clone();
         let upright = moment.lean.map(|lean| {
             let seat = kernel.body.chain.seats[world.model.kinematics.tool];

@@ -14,8 +14,8 @@ use std::collections::VecDeque;
 /// Circles, walls, and the disc that is to be brought out.
 #[derive(Clone, Debug)]
 pub struct Floor {
-    /// By object id; `None` for the target and for what stands higher or lower.
-    circles: Vec<Option<Circle>>,
+    /// Of all objects but the target and what stands higher or lower.
+    circles: Vec<(Circle, ObjectId)>,
     walls: Vec<Outline>,
     /// The height of the highest object's top, the target's included, metres.
     top: f64,
@@ -29,6 +29,8 @@ pub struct Floor {
     pub exit: Vec2,
     /// Where samples are drawn.
     pub workspace: Rect,
+    /// The rectangle round all objects at the target's height, wider by the disc.
+    clutter: Rect,
 }
 
 impl Floor {
@@ -40,11 +42,12 @@ impl Floor {
             let (a, b) = solid.aabb(*pose);
             a.z < high.z - 0.002 && b.z > low.z + 0.002
         };
-        let circles: Vec<Option<Circle>> = scene
+        let circles: Vec<(Circle, ObjectId)> = scene
             .objects
             .iter()
             .enumerate()
-            .map(|(i, o)| (i != scene.target.index() && level(&o.solid, &o.pose)).then(|| enclosing_circle(&o.solid, &o.pose)))
+            .filter(|(i, o)| *i != scene.target.index() && level(&o.solid, &o.pose))
+            .map(|(i, o)| (enclosing_circle(&o.solid, &o.pose), ObjectId(i as u16)))
             .collect();
         let walls: Vec<Outline> = scene
             .fixtures
@@ -65,8 +68,9 @@ impl Floor {
             goal,
             exit: goal,
             workspace: Rect { min: goal.to_array(), max: goal.to_array() },
+            clutter: Rect { min: goal.to_array(), max: goal.to_array() },
         };
-        let clutter = floor.clutter();
+        let clutter = floor.around_clutter();
         floor.exit = match scene.file.exit {
             Some(exit) => Vec2::from_array(exit),
             None => floor.find_exit(&clutter, scene.base.translation.truncate()),
@@ -75,6 +79,7 @@ impl Floor {
             min: (Vec2::from_array(clutter.min).min(floor.exit)).to_array(),
             max: (Vec2::from_array(clutter.max).max(floor.exit)).to_array(),
         });
+        floor.clutter = clutter;
         floor
     }
 
@@ -88,9 +93,9 @@ impl Floor {
     #[inline]
     pub fn edge_collisions(&self, a: Vec2, b: Vec2) -> ObjectSet {
         let mut set = ObjectSet::EMPTY;
-        for (i, circle) in self.circles.iter().enumerate() {
-            if circle.is_some_and(|c| c.meets_sweep(a, b, self.radius)) {
-                set.insert(ObjectId(i as u16));
+        for (circle, object) in &self.circles {
+            if circle.meets_sweep(a, b, self.radius) {
+                set.insert(*object);
             }
         }
         set
@@ -102,10 +107,9 @@ impl Floor {
         !self.walls.iter().any(|w| w.closer_than(a, b, self.wall_radius))
     }
 
-    /// The rectangle round all objects at the target's height, wider by the disc.
-    fn clutter(&self) -> Rect {
+    fn around_clutter(&self) -> Rect {
         let (mut min, mut max) = (self.goal, self.goal);
-        for c in self.circles.iter().flatten() {
+        for (c, _) in &self.circles {
             min = min.min(c.centre - c.radius);
             max = max.max(c.centre + c.radius);
         }
@@ -150,7 +154,7 @@ impl Floor {
     /// Whether something at `p`, with the disc round it and nothing of it below `bottom`, is beside
     /// or above all clutter.
     pub fn beyond_clutter(&self, p: Vec2, bottom: f64) -> bool {
-        let r = self.clutter();
+        let r = &self.clutter;
         bottom > self.top || p.x < r.min[0] || p.y < r.min[1] || p.x > r.max[0] || p.y > r.max[1]
     }
 }

@@ -124,6 +124,19 @@ impl RetrievalGraph {
         known.complete |= complete;
     }
 
+    /// Adds ways to an object that has failed already.
+    pub fn add_ways(&mut self, object: ObjectId, ways: &[ObjectSet]) {
+        if let Some(known) = self.knowledge.get_mut(&object) {
+            known.ways.extend_from_slice(ways);
+            known.ways = ObjectSet::minimal(std::mem::take(&mut known.ways));
+        }
+    }
+
+    /// The objects to which there are no other ways than those known.
+    pub fn complete(&self) -> Vec<ObjectId> {
+        self.knowledge.iter().filter(|(_, k)| k.complete).map(|(&object, _)| object).collect()
+    }
+
     /// What is known of an object, if anything failed.
     pub fn knowledge(&self, object: ObjectId) -> Option<&Knowledge> {
         self.knowledge.get(&object)

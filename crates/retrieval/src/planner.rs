@@ -238,19 +238,22 @@ impl Planner {
         if self.ways_of(target).is_some_and(|w| w.ways.is_empty()) && self.proved_out_of_reach(target, run)? {
             return Ok(Outcome::Impossible);
         }
-        let direct = self.minimal_sets(target, run)?;
-        if !self.settings.as_in_paper {
-            self.graph.add_direct(&direct);
-        }
         let mut limit = match self.settings.first_limit {
             FirstLimit::One => 1,
-            FirstLimit::GraspCover => 1 + direct.iter().map(ObjectSet::len).min().unwrap_or(0),
+            FirstLimit::GraspCover => 1 + self.minimal_sets(target, count, run)?.iter().map(ObjectSet::len).min().unwrap_or(0),
             FirstLimit::All => count,
         };
         loop {
             run.budget.iteration()?;
             run.stats.iterations += 1;
             run.stats.exploration_limit = limit;
+            self.look_up_to(limit, run)?;
+            // What is known may do; then the roadmap need not grow.
+            if !self.settings.as_in_paper
+                && let Some(sequence) = self.check_all(limit, run)?
+            {
+                return Ok(Outcome::Solved(sequence));
+            }
             self.roadmap.expand(&self.floor, limit, &self.settings.roadmap, &mut run.random_roadmap, &run.budget)?;
             let (clusters, edges) = self.roadmap.clusters();
             // Clusters come in the order of their first nodes; x_s and x_g are nodes 0 and 1, alone.
@@ -260,14 +263,8 @@ impl Planner {
                 roadmap_nodes: self.roadmap.nodes.len(),
                 retrieval_nodes: self.graph.len(),
             });
-            // "We repeat … until no sequence satisfies |O_r| ≤ L" (section IV-D).
-            while let Some(sequence) = self.graph.best_sequence(limit, self.settings.search) {
-                run.budget.check()?;
-                run.stats.sequences_tried += 1;
-                run.observer.event(Event::Sequence { objects: self.name_all(&sequence.objects) });
-                if let Some(sequence) = self.check(sequence, run)? {
-                    return Ok(Outcome::Solved(sequence));
-                }
+            if let Some(sequence) = self.check_all(limit, run)? {
+                return Ok(Outcome::Solved(sequence));
             }
             if limit < count {
                 limit += 1;
@@ -277,14 +274,40 @@ impl Planner {
             // motions may be found, also from where a way ends among the clutter.
             self.partial_ways = true;
             self.graph.forget();
-            let direct = self.minimal_sets(target, run)?;
-            self.graph.add_direct(&direct);
             limit = 1;
         }
     }
 
+    /// Tells the graph the sets that a raised limit lets count: ways that more objects stand in are
+    /// not looked into before.
+    fn look_up_to(&mut self, limit: usize, run: &Run) -> Result<(), Stop> {
+        let target = self.scene.target;
+        if !self.settings.as_in_paper {
+            let direct = self.minimal_sets(target, most_in_way(limit, true), run)?;
+            self.graph.add_direct(&direct);
+            for object in self.graph.complete() {
+                let sets = self.minimal_sets(object, most_in_way(limit, false), run)?;
+                self.graph.add_ways(object, &sets);
+            }
+        }
+        Ok(())
+    }
+
+    /// "We repeat … until no sequence satisfies |O_r| ≤ L" (section IV-D).
+    fn check_all(&mut self, limit: usize, run: &mut Run) -> Result<Option<Sequence>, Stop> {
+        while let Some(sequence) = self.graph.best_sequence(limit, self.settings.search) {
+            run.budget.check()?;
+            run.stats.sequences_tried += 1;
+            run.observer.event(Event::Sequence { objects: self.name_all(&sequence.objects) });
+            if let Some(sequence) = self.check(sequence, limit, run)? {
+                return Ok(Some(sequence));
+            }
+        }
+        Ok(None)
+    }
+
     /// Feasibility check of a sequence. On failure the graph has learned something.
-    fn check(&mut self, sequence: Sequence, run: &mut Run) -> Result<Option<Sequence>, Stop> {
+    fn check(&mut self, sequence: Sequence, limit: usize, run: &mut Run) -> Result<Option<Sequence>, Stop> {
         let mut removed = ObjectSet::EMPTY;
         let mut needs: Vec<(ObjectId, ObjectSet)> = Vec::new();
         for &object in &sequence.objects {
@@ -296,12 +319,14 @@ impl Planner {
                 None => free,
             };
             let Some(&first) = free.first() else {
-                let mut sets = self.minimal_sets(object, run)?;
+                let is_target = object == self.scene.target;
+                let most = if self.settings.as_in_paper { self.scene.objects.len() } else { most_in_way(limit, is_target) };
+                let mut sets = self.minimal_sets(object, most, run)?;
                 if self.settings.as_in_paper {
                     sets.truncate(1);
                 }
                 // The roadmap is the target's: with other objects gone it may show it other routes.
-                let complete = object != self.scene.target;
+                let complete = !is_target;
                 self.blocked(object, removed, &sets, complete, run);
                 return Ok(None);
             };
@@ -445,11 +470,11 @@ impl Planner {
         }
     }
 
-    fn minimal_sets(&mut self, object: ObjectId, run: &Run) -> Result<Vec<ObjectSet>, Stop> {
+    fn minimal_sets(&mut self, object: ObjectId, most: usize, run: &Run) -> Result<Vec<ObjectSet>, Stop> {
         self.explore(object, run)?;
         let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways);
         match self.ways[object.index()].as_mut() {
-            Some(ways) => explorer.minimal_sets(object, ways, &mut self.scratch, &run.budget),
+            Some(ways) => explorer.minimal_sets(object, ways, most, &mut self.scratch, &run.budget),
             None => Ok(Vec::new()),
         }
     }
@@ -476,6 +501,12 @@ impl Planner {
         }
         Ok(true)
     }
+}
+
+/// How many objects may stand in the way of an object in a sequence of at most `limit`: all but
+/// itself, and the target.
+fn most_in_way(limit: usize, is_target: bool) -> usize {
+    limit.saturating_sub(if is_target { 1 } else { 2 })
 }
 
 /// What one call of [`Planner::plan`] carries along.

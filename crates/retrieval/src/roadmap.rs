@@ -61,12 +61,61 @@ pub struct Roadmap {
     pub edges: Vec<(usize, usize)>,
     /// Samples drawn so far.
     pub samples: usize,
+    places: Places,
+}
+
+/// Where the nodes are, in columns: what every sample scans.
+#[derive(Clone, Debug, Default)]
+struct Places {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    /// |Col(x)|
+    collisions: Vec<f64>,
+    /// Squared distances of the last scan.
+    distances: Vec<f64>,
+}
+
+impl Places {
+    fn push(&mut self, node: &Node) {
+        self.x.push(node.at.x);
+        self.y.push(node.at.y);
+        self.collisions.push(node.collisions.len() as f64);
+    }
+
+    /// The node nearest to a point, of those that collide with at most `limit` objects; the first of
+    /// equals.
+    fn nearest(&mut self, to: Vec2, limit: usize) -> Option<usize> {
+        let limit = limit as f64;
+        self.distances.clear();
+        let columns = self.x.iter().zip(&self.y).zip(&self.collisions);
+        self.distances.extend(columns.map(|((x, y), c)| {
+            let (dx, dy) = (x - to.x, y - to.y);
+            if *c <= limit { dx * dx + dy * dy } else { f64::INFINITY }
+        }));
+        let least = self.distances.iter().copied().fold(f64::INFINITY, |a, b| if b < a { b } else { a });
+        if least == f64::INFINITY { None } else { self.distances.iter().position(|d| *d == least) }
+    }
+
+    /// The nodes within a distance of a point, with their squared distances.
+    fn within(&mut self, to: Vec2, most: f64) -> Vec<(f64, usize)> {
+        self.distances.clear();
+        self.distances.extend(self.x.iter().zip(&self.y).map(|(x, y)| {
+            let (dx, dy) = (x - to.x, y - to.y);
+            dx * dx + dy * dy
+        }));
+        let near = |(i, d): (usize, &f64)| (d.sqrt() <= most).then_some((*d, i));
+        let rough = most * most * (1.0 + 1e-9);
+        self.distances.iter().enumerate().filter(|(_, d)| **d <= rough).filter_map(near).collect()
+    }
 }
 
 impl Roadmap {
     pub fn new(floor: &Floor) -> Self {
         let node = |at: Vec2| Node { at, collisions: floor.collisions(at) };
-        Self { nodes: vec![node(floor.exit), node(floor.goal)], edges: Vec::new(), samples: 0 }
+        let nodes = vec![node(floor.exit), node(floor.goal)];
+        let mut places = Places::default();
+        nodes.iter().for_each(|node| places.push(node));
+        Self { nodes, edges: Vec::new(), samples: 0, places }
     }
 
     /// Algorithm 2: grows the roadmap under the exploration limit *L*.
@@ -97,12 +146,8 @@ impl Roadmap {
             draw(area.min[0], area.max[0], random.random()),
             draw(area.min[1], area.max[1], random.random()),
         );
-        let nearest = self
-            .nodes
-            .iter()
-            .filter(|n| n.collisions.len() <= sampling_limit)
-            .min_by(|a, b| a.at.distance_squared(sample).total_cmp(&b.at.distance_squared(sample)));
-        let Some(nearest) = nearest.copied() else { return };
+        let Some(nearest) = self.places.nearest(sample, sampling_limit) else { return };
+        let nearest = self.nodes[nearest];
         let way = sample - nearest.at;
         let mut step = way.length().min(settings.longest_edge);
         if step < 1e-9 {
@@ -123,16 +168,11 @@ impl Roadmap {
         }
         let new = Node { at, collisions: floor.collisions(at) };
         let index = self.nodes.len();
-        let mut near: Vec<(f64, usize)> = self
-            .nodes
-            .iter()
-            .enumerate()
-            .map(|(i, n)| (n.at.distance_squared(at), i))
-            // The edge just extended may be δ long to the last digit: rounding must not drop it.
-            .filter(|(d, _)| d.sqrt() <= settings.longest_edge * (1.0 + 1e-9))
-            .collect();
+        // The edge just extended may be δ long to the last digit: rounding must not drop it.
+        let mut near = self.places.within(at, settings.longest_edge * (1.0 + 1e-9));
         near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         near.truncate(settings.neighbours);
+        self.places.push(&new);
         self.nodes.push(new);
         for (_, i) in near {
             let other = self.nodes[i];

@@ -69,6 +69,16 @@ pub struct Way {
     pub failures: u32,
 }
 
+/// What became of drawing an object out.
+enum Drawn {
+    /// Out, or as far as it goes; `clear` when it ends beyond the clutter.
+    Out { postures: Vec<Posture>, blocked_by: ObjectSet, clear: bool },
+    /// More stands in the way than asked for: some of what does.
+    Blocked(ObjectSet),
+    /// It does not even come as far as the standoff.
+    Stuck,
+}
+
 /// All ways to one object.
 #[derive(Clone, Debug, Default)]
 pub struct Ways {
@@ -140,7 +150,7 @@ impl Explorer<'_> {
             grasps.iter().map(|grasp| Moment { resting: true, ..self.moment(object, grasp) }).collect();
         let route = Arc::new(Vec::new());
         let Some(first) = moments.first() else { return Ok(found) };
-        let mut quick = Quick::new(self.world, first);
+        let mut quick = Quick::links(self.world, first);
         let mut suspects = Suspects::default();
         let mut postures: Vec<Posture> = Vec::with_capacity(LANES);
         for some in candidates.chunks(LANES) {
@@ -189,34 +199,34 @@ impl Explorer<'_> {
         }
     }
 
-    /// Looks one stage further into a way. False when it turns out to be none, and is removed.
-    fn advance(&self, object: ObjectId, ways: &mut Ways, index: usize, scratch: &mut Scratch) -> bool {
+    /// Looks one stage further into a way, as long as no more than `most` objects turn out to be in
+    /// it. A way that is none is removed.
+    fn advance(&self, object: ObjectId, ways: &mut Ways, index: usize, most: usize, scratch: &mut Scratch) {
         let way = &ways.ways[index];
         let (next, step) = match way.stage {
             Stage::Grasp => (Stage::Coarse, self.settings.coarse),
             _ => (Stage::Exact, self.settings.fine),
         };
-        match self.draw_out(object, &ways.grasps[way.grasp], way, step, scratch) {
-            Some((postures, blocked_by, clear)) => {
-                let way = &mut ways.ways[index];
-                *way = Way { postures, blocked_by: blocked_by.union(way.blocked_by), clear, stage: next, ..way.clone() };
-                true
+        let drawn = self.draw_out(object, &ways.grasps[way.grasp], way, step, most, scratch);
+        let way = &mut ways.ways[index];
+        match drawn {
+            Drawn::Out { postures, blocked_by, clear } => {
+                *way = Way { postures, blocked_by, clear, stage: next, ..way.clone() };
             }
-            None => {
+            Drawn::Blocked(blocked_by) => way.blocked_by = blocked_by,
+            Drawn::Stuck => {
                 ways.ways.remove(index);
                 if index < ways.straight {
                     ways.straight -= 1;
                     ways.counts.ways -= 1;
                     ways.counts.fixed_on_approach += 1;
                 }
-                false
             }
         }
     }
 
-    /// The way from its grasp posture outwards, postures `step` apart: what it touches, and whether
-    /// it ends beyond the clutter. `None` when it does not even come as far as the standoff.
-    fn draw_out(&self, object: ObjectId, grasp: &Grasp, way: &Way, step: f64, scratch: &mut Scratch) -> Option<(Vec<Posture>, ObjectSet, bool)> {
+    /// The way from its grasp posture outwards, postures `step` apart.
+    fn draw_out(&self, object: ObjectId, grasp: &Grasp, way: &Way, step: f64, most: usize, scratch: &mut Scratch) -> Drawn {
         let world = self.world;
         let moment = self.moment(object, grasp);
         let start = world.poses[object.index()] * grasp.object_from_tool;
@@ -232,48 +242,63 @@ impl Explorer<'_> {
             [] => Some(back * out),
             route => along(route, out).map(|p| world.root_from_world.rotation * p.extend(0.0)),
         };
-        // As far as the arm reaches; then what it meets on the way, sixteen postures at a time.
+        let mut blocked_by = way.blocked_by;
         let mut postures = vec![way.postures[0].clone()];
-        let mut outs = Vec::new();
-        let mut out = 0.0;
-        while let Some(moved) = offset(out) {
-            let target = Pose::new(start.rotation, lifted + moved);
-            let Some(posture) = self.inverse.follow(&target, &postures[postures.len() - 1], 0.6) else { break };
-            let object_at = world.world_from_root.point(world.poses[object.index()].translation + moved);
-            let clear = self.floor.beyond_clutter(object_at.truncate(), object_at.z - below);
-            postures.push(posture);
-            outs.push((out, clear));
-            if (clear && out >= standoff) || out >= self.settings.farthest {
+        let mut quick = Quick::links(world, &moment);
+        let mut suspects = Suspects::default();
+        // What is known of the last posture that is good, and the next to look at.
+        let (mut reached, mut clear, mut out) = (0.0, false, 0.0);
+        let mut ends = false;
+        while !ends {
+            // As far as the arm reaches; then what it meets on the way, sixteen postures at a time.
+            let from = postures.len();
+            let mut outs = [(0.0, false); LANES];
+            while postures.len() - from < LANES && !ends {
+                let Some(moved) = offset(out) else {
+                    ends = true;
+                    break;
+                };
+                let target = Pose::new(start.rotation, lifted + moved);
+                let Some(posture) = self.inverse.follow(&target, &postures[postures.len() - 1], 0.6) else {
+                    ends = true;
+                    break;
+                };
+                let object_at = world.world_from_root.point(world.poses[object.index()].translation + moved);
+                let clear = self.floor.beyond_clutter(object_at.truncate(), object_at.z - below);
+                outs[postures.len() - from] = (out, clear);
+                postures.push(posture);
+                ends = (clear && out >= standoff) || out >= self.settings.farthest;
+                out += step;
+            }
+            let count = postures.len() - from;
+            if count == 0 {
                 break;
             }
-            out += step;
-        }
-        let mut blocked_by = ObjectSet::EMPTY;
-        let (mut clear, mut met) = (false, None);
-        let mut quick = Quick::new(world, &moment);
-        let mut suspects = Suspects::default();
-        'all: for (chunk, some) in postures[1..].chunks(LANES).enumerate() {
-            quick.suspects(some, &mut suspects);
-            for (lane, posture) in some.iter().enumerate() {
-                let index = chunk * LANES + lane;
+            quick.suspects(&postures[from..], &mut suspects);
+            for lane in 0..count {
+                let posture = &postures[from + lane];
                 match world.touched_among(posture, &moment, &suspects, lane, scratch) {
                     Touch::Fixed => {
-                        met = Some(index);
-                        break 'all;
+                        postures.truncate(from + lane);
+                        ends = true;
+                        break;
                     }
                     Touch::Objects(set) => blocked_by = blocked_by.union(set),
                 }
-                if !way.route.is_empty() && !world.free(posture, &coming, scratch) {
-                    return None;
+                if blocked_by.len() > most {
+                    return Drawn::Blocked(blocked_by);
                 }
-                clear = outs[index].1;
+                if !way.route.is_empty() && !world.free(posture, &coming, scratch) {
+                    return Drawn::Stuck;
+                }
+                (reached, clear) = outs[lane];
             }
         }
-        if let Some(index) = met {
-            postures.truncate(index + 1);
-            out = outs[index].0;
+        if postures.len() > 2 && (reached >= standoff || clear) {
+            Drawn::Out { postures, blocked_by, clear }
+        } else {
+            Drawn::Stuck
         }
-        (postures.len() > 2 && (out >= standoff || clear)).then_some((postures, blocked_by, clear))
     }
 
     /// The hand open and the object in it: what is touched then is in the way of coming or going.
@@ -318,7 +343,7 @@ impl Explorer<'_> {
             let open = self.counts(way) && way.blocked_by.is_subset(removed);
             // A few more than asked for are found, so that there is a choice.
             if open && way.stage < Stage::Exact && free < most.max(3) {
-                self.advance(object, ways, i, scratch);
+                self.advance(object, ways, i, ObjectSet::CAPACITY, scratch);
                 continue;
             }
             free += usize::from(open && way.stage == Stage::Exact && way.clear && way.failures == 0);
@@ -335,19 +360,27 @@ impl Explorer<'_> {
         Ok(free)
     }
 
-    /// The minimal sets over all ways: each is one way in. Ways that cannot be minimal are not
-    /// looked into.
-    pub fn minimal_sets(&self, object: ObjectId, ways: &mut Ways, scratch: &mut Scratch, budget: &Budget) -> Result<Vec<ObjectSet>, Stop> {
+    /// The minimal sets over all ways: each is one way in. Ways that cannot be minimal, or that more
+    /// than `most` objects stand in, are not looked into.
+    pub fn minimal_sets(
+        &self,
+        object: ObjectId,
+        ways: &mut Ways,
+        most: usize,
+        scratch: &mut Scratch,
+        budget: &Budget,
+    ) -> Result<Vec<ObjectSet>, Stop> {
         loop {
             budget.check()?;
-            let exact: Vec<ObjectSet> = ways.ways.iter().filter(|w| w.stage == Stage::Exact && self.counts(w)).map(|w| w.blocked_by).collect();
-            let minimal = ObjectSet::minimal(exact);
+            let exact = |w: &&Way| w.stage == Stage::Exact && self.counts(w) && w.blocked_by.len() <= most;
+            let minimal = ObjectSet::minimal(ways.ways.iter().filter(exact).map(|w| w.blocked_by).collect());
             let next = (0..ways.ways.len())
                 .filter(|&i| ways.ways[i].stage < Stage::Exact && self.counts(&ways.ways[i]))
+                .filter(|&i| ways.ways[i].blocked_by.len() <= most)
                 .filter(|&i| !minimal.iter().any(|m| m.is_subset(&ways.ways[i].blocked_by)))
                 .min_by_key(|&i| (ways.ways[i].blocked_by.len(), std::cmp::Reverse(ways.ways[i].stage)));
             match next {
-                Some(i) => self.advance(object, ways, i, scratch),
+                Some(i) => self.advance(object, ways, i, most, scratch),
                 None => return Ok(minimal),
             };
         }
