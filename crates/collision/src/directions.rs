@@ -10,21 +10,19 @@ const SLOTS: usize = 1 << 13;
 /// A shape, where it is, and its name.
 type Named<'a> = (&'a Convex, &'a Pose, usize);
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Directions {
+    /// None before the first question: most who could ask never do.
     slots: Vec<Vec3>,
-}
-
-impl Default for Directions {
-    fn default() -> Self {
-        Self { slots: vec![Vec3::ZERO; SLOTS] }
-    }
 }
 
 impl Directions {
     /// Whether two placed convex shapes are closer than `margin`.
     #[inline]
     pub fn closer_than(&mut self, a: Named, b: Named, margin: f64) -> bool {
+        if self.slots.is_empty() {
+            self.slots.resize(SLOTS, Vec3::ZERO);
+        }
         let slot = a.2.wrapping_mul(0x9E37_79B1).wrapping_add(b.2.wrapping_mul(0x85EB_CA6B)) >> 7 & (SLOTS - 1);
         closer_than_along(a.0, a.1, b.0, b.1, margin, &mut self.slots[slot])
     }

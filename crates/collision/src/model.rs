@@ -46,6 +46,8 @@ pub struct CollisionModel {
 const COSTLY: usize = 24;
 /// Parts of one link have neighbouring tags; tags only choose slots, so more parts do no harm.
 pub(crate) const TAGS_PER_LINK: usize = 16;
+/// Work spent on proving that two links never meet, in boxes of joint values.
+const MOST_BOXES: usize = 1000;
 /// Width of the cells that links are covered with, metres: hand finely, arm coarsely.
 const ARM_CELL: f64 = 0.08;
 const HAND_CELL: f64 = 0.03;
@@ -90,7 +92,7 @@ impl CollisionModel {
     pub fn holding(&self, held: &Solid) -> Arc<Kernel> {
         let hand: Vec<usize> = (0..self.links.len()).filter(|&l| self.links[l].as_ref().is_some_and(|l| l.hand)).collect();
         let spheres = cover(held, KERNEL_HELD_CELL);
-        let body = self.kernel.body.with_attached(&self.group, self.kinematics.tool, &spheres, &hand, &body_settings());
+        let body = self.kernel.body.with_attached(&self.group, self.kinematics.tool, (held, &spheres), &hand, &body_settings());
         Arc::new(Kernel { body, level: self.kernel.level })
     }
 
@@ -111,7 +113,7 @@ fn kernel(robot: &Robot, group: &Group, pairs: &[(usize, usize)]) -> Kernel {
     let links = robot.links.len();
     let all = (0..links).flat_map(|a| (a + 1..links).map(move |b| (a, b)));
     let apart = |a: usize, b: usize| {
-        Relative::new(group, a, b).always_apart(&robot.links[a].collision, &robot.links[b].collision, SELF_MARGIN)
+        Relative::new(group, a, b).always_apart(&robot.links[a].collision, &robot.links[b].collision, SELF_MARGIN, MOST_BOXES)
     };
     let unchecked = all.filter(|&(a, b)| !pairs.contains(&(a, b)) || apart(a, b)).collect();
     Kernel::new(Body::new(group, &spheres, unchecked, &body_settings()))

@@ -59,7 +59,9 @@ impl World {
                 continue;
             }
             let margin = self.margin(moment, &owner, link.hand);
-            if link_near(link, &frames[suspect.link], centres[suspect.link], obstacle, margin, directions) {
+            if suspect.sure >> lane & 1 == 1
+                || link_near(link, &frames[suspect.link], centres[suspect.link], obstacle, margin, directions)
+            {
                 match owner {
                     Owner::Standing(id) => touched.insert(id),
                     Owner::Fixture | Owner::Placed(_) => return Touch::Fixed,
@@ -69,7 +71,8 @@ impl World {
         let meets = |s: &Suspect| {
             let (a, b) = (s.link, s.other);
             let (Some(la), Some(lb)) = (&self.model.links[a], &self.model.links[b]) else { return false };
-            links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN, directions)
+            s.sure >> lane & 1 == 1
+                || links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN, directions)
         };
         if suspects.pairs.iter().filter(of_lane).any(meets) { Touch::Fixed } else { Touch::Objects(touched) }
     }

@@ -34,6 +34,7 @@ pub struct World {
 const MOVED_BY_FEW: u32 = 2;
 /// … of no more parts than this, with at least this much room, metres: more than any margin asked.
 const MOST_PROVED: usize = 16;
+const MOST_BOXES: usize = 100;
 const NEVER_MARGIN: f64 = 0.003;
 
 /// A solid's parts as they move with their body.
@@ -98,7 +99,7 @@ impl World {
         let own = &self.robot.links[link].collision;
         let clear = |f: &Obstacle| {
             let solid = Solid { parts: f.parts.iter().map(|p| (p.root_from_part, p.convex.clone())).collect() };
-            f.parts.len() <= MOST_PROVED && relative.always_apart(&solid, own, NEVER_MARGIN)
+            f.parts.len() <= MOST_PROVED && relative.always_apart(&solid, own, NEVER_MARGIN, MOST_BOXES)
         };
         (0..self.fixtures.len()).filter(|&i| clear(&self.fixtures[i])).collect()
     }

@@ -18,6 +18,7 @@ pub struct Space<'a> {
     /// Asked first where there is one: what it calls free is free.
     quick: Option<Quick>,
     suspects: Suspects,
+    row: Posture,
 }
 
 /// What is looked at exactly.
@@ -33,7 +34,7 @@ const PER_RADIAN: f64 = 32.0;
 
 impl<'a> Space<'a> {
     pub fn new(world: &'a World, moment: &'a Moment, step: f64) -> Self {
-        Self { world, moment, step, scratch: Scratch::default(), slack: Slack::default(), queue: VecDeque::new(), quick: None, suspects: Suspects::default() }
+        Self { world, moment, step, scratch: Scratch::default(), slack: Slack::default(), queue: VecDeque::new(), quick: None, suspects: Suspects::default(), row: Posture::new() }
     }
 
     /// The same, with the kernel asked first, if it knows what is held; worth its making for more
@@ -48,9 +49,16 @@ impl<'a> Space<'a> {
         self.scratch.checked
     }
 
-    #[inline]
     pub fn free(&mut self, q: &[f64]) -> bool {
-        self.world.free(q, self.moment, &mut self.scratch)
+        let Some(quick) = &mut self.quick else { return self.world.free(q, self.moment, &mut self.scratch) };
+        self.row.clear();
+        self.row.extend_from_slice(q);
+        let row = std::slice::from_ref(&self.row);
+        if self.world.any_leans(row, self.moment, &mut self.scratch) {
+            return false;
+        }
+        quick.suspects(row, &mut self.suspects);
+        !self.suspects.any_sure() && (self.suspects.is_empty() || self.look(q, None, Whole::Suspects) != Probe::Hit)
     }
 
     pub fn touched(&mut self, q: &[f64]) -> Touch {
@@ -117,9 +125,9 @@ impl<'a> Space<'a> {
             if let Some(quick) = &mut self.quick {
                 quick.rows_suspects(&rows[from..=to], &mut suspects);
             }
-            let none = suspects.is_empty();
+            let (none, hit) = (suspects.is_empty(), suspects.any_sure());
             self.suspects = suspects;
-            if !none && !self.rows_free_exactly(&rows[from..=to], Whole::Suspects) {
+            if hit || !none && !self.rows_free_exactly(&rows[from..=to], Whole::Suspects) {
                 return false;
             }
             from = to;

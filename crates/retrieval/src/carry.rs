@@ -391,6 +391,7 @@ impl<R: Rng> Carrier<'_, R> {
             objects_below,
             kernel: None,
         };
+        held.kernel = Some(world.model.holding(&held.solid()));
         let mut resting = carrying.clone();
         resting.held = Some(held.clone());
         resting.resting = true;
@@ -401,8 +402,11 @@ impl<R: Rng> Carrier<'_, R> {
         leaving.placed.push((object, placed));
         leaving.gripping = Some(object);
         let standoff = world.robot.grasps.standoff;
+        let mut resting = Space::quick(world, &resting, self.settings.step);
+        let mut lowering = Space::quick(world, &lowering, self.settings.step);
+        let mut leaving = Space::quick(world, &leaving, self.settings.step);
         'branch: for down in branches {
-            if !Space::new(world, &resting, self.settings.step).free(&down) {
+            if !resting.free(&down) {
                 continue;
             }
             let mut lower = vec![down.clone()];
@@ -411,15 +415,14 @@ impl<R: Rng> Carrier<'_, R> {
                 height += LOWER_STEP;
                 let target = Pose::new(at.rotation, at.translation + world.up() * height);
                 let Some(q) = self.inverse.follow(&target, &lower[lower.len() - 1], 0.5) else { continue 'branch };
-                if !Space::new(world, &lowering, self.settings.step).free(&q) {
+                if !lowering.free(&q) {
                     continue 'branch;
                 }
                 lower.push(q);
             }
             lower.reverse();
-            let mut space = Space::new(world, &leaving, self.settings.step);
             // Opening, the fingers need room between what stands there already.
-            if !space.free(&down) {
+            if !leaving.free(&down) {
                 continue;
             }
             let mut back = vec![down];
@@ -428,12 +431,11 @@ impl<R: Rng> Carrier<'_, R> {
                 out += BACK_STEP;
                 let target = Pose::new(at.rotation, at.translation - at.rotation.z_axis * out);
                 let Some(q) = self.inverse.follow(&target, &back[back.len() - 1], 0.5) else { continue 'branch };
-                if !space.free(&q) {
+                if !leaving.free(&q) {
                     continue 'branch;
                 }
                 back.push(q);
             }
-            held.kernel = Some(world.model.holding(&held.solid()));
             return Some(Placement { pose, lower, back, held, transfer: Path::new() });
         }
         None

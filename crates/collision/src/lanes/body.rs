@@ -4,7 +4,7 @@
 use super::chain::Chain;
 use super::never::Relative;
 use super::vector::{LANES, Lanes};
-use clearway_geometry::{Pose, Vec3};
+use clearway_geometry::{Pose, Solid, Vec3};
 use clearway_robot::{Group, Motion, Sphere, bounding_sphere};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -81,6 +81,9 @@ pub struct Body {
     pub chain: Chain,
     pub parts: Vec<Part>,
     pub balls: Vec<Ball>,
+    /// By ball: a smaller ball about its middle that is all inside the shape; negative where there is
+    /// none.
+    pub inner: Vec<f32>,
     pub pairs: Vec<Pair>,
     pub rows: Vec<Row>,
     pub partners: Vec<Partner>,
@@ -102,6 +105,7 @@ impl Body {
             chain,
             parts: Vec::new(),
             balls: Vec::new(),
+            inner: Vec::new(),
             pairs: Vec::new(),
             rows: Vec::new(),
             partners: Vec::new(),
@@ -122,6 +126,8 @@ impl Body {
             divide(&mut seated, settings, &mut |part| {
                 members.push(part.iter().map(|(i, _)| *i).collect());
                 body.add_part((link, link), seat.frame, part);
+                let depth = |(i, _): &(usize, Sphere)| group.links[link].collision.depth(spheres[*i].centre) as f32;
+                body.inner.extend(part.iter().map(depth));
             });
         }
         body.add_pairs(group, spheres, &members, settings);
@@ -185,16 +191,26 @@ impl Body {
         self.parts.len() + self.pairs.len()
     }
 
-    /// The same robot with spheres added to a link (in its frame): what a hand holds. They are
-    /// checked against all links but `beside`, and are told by the index after the last link's.
-    pub fn with_attached(&self, group: &Group, link: usize, spheres: &[Sphere], beside: &[usize], settings: &Settings) -> Body {
+    /// The same robot with a solid added to a link (in its frame), covered by `spheres`: what a hand
+    /// holds. It is checked against all links but `beside`, and told by the index after the last link's.
+    pub fn with_attached(
+        &self,
+        group: &Group,
+        link: usize,
+        (solid, spheres): (&Solid, &[Sphere]),
+        beside: &[usize],
+        settings: &Settings,
+    ) -> Body {
         let mut body = self.clone();
         let seat = self.chain.seats[link];
         let attached = self.chain.seats.len();
         let seated = spheres.iter().map(|s| Sphere { centre: seat.frame_from_link.point(s.centre), radius: s.radius });
         let mut seated: Vec<(usize, Sphere)> = seated.enumerate().collect();
         let first = body.parts.len();
-        divide(&mut seated, settings, &mut |part| body.add_part((attached, link), seat.frame, part));
+        divide(&mut seated, settings, &mut |part| {
+            body.add_part((attached, link), seat.frame, part);
+            body.inner.extend(part.iter().map(|(i, _)| solid.depth(spheres[*i].centre) as f32));
+        });
         for a in (0..first).filter(|&a| self.parts[a].frame != seat.frame && !beside.contains(&self.parts[a].link)) {
             for b in first..body.parts.len() {
                 body.add_pair(a, b, |_, _| true);

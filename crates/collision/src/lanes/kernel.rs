@@ -97,6 +97,8 @@ pub struct Suspect {
     pub other: usize,
     /// In which of the sixteen configurations.
     pub lanes: u16,
+    /// In which of them they touch without doubt: not the spheres alone, the shapes, too.
+    pub sure: u16,
 }
 
 /// All that the spheres of some configurations touch. Nothing else is touched by the links.
@@ -111,17 +113,25 @@ impl Suspects {
         self.obstacles.is_empty() && self.pairs.is_empty()
     }
 
+    /// Whether any two touch without doubt.
+    pub fn any_sure(&self) -> bool {
+        self.obstacles.iter().chain(&self.pairs).any(|s| s.sure != 0)
+    }
+
     fn clear(&mut self) {
         self.obstacles.clear();
         self.pairs.clear();
     }
 }
 
-fn note(suspects: &mut Vec<Suspect>, link: usize, other: usize, lanes: u32) {
-    let lanes = lanes as u16;
+fn note(suspects: &mut Vec<Suspect>, (link, other): (usize, usize), (lanes, sure): (u32, u32)) {
+    let (lanes, sure) = (lanes as u16, sure as u16);
     match suspects.iter_mut().find(|s| s.link == link && s.other == other) {
-        Some(known) => known.lanes |= lanes,
-        None => suspects.push(Suspect { link, other, lanes }),
+        Some(known) => {
+            known.lanes |= lanes;
+            known.sure |= sure;
+        }
+        None => suspects.push(Suspect { link, other, lanes, sure }),
     }
 }
 
@@ -384,7 +394,7 @@ impl Kernel {
                 if shape.meets(simd, centre, part.bound.radius + larger + margin) == 0 {
                     continue;
                 }
-                let mut met = 0;
+                let (mut met, mut sure) = (0, 0);
                 for ball in part.balls.clone() {
                     let at = self.ball_at(simd, part.frame, ball, scratch);
                     let radius = body.balls[ball].radius + margin;
@@ -394,6 +404,10 @@ impl Kernel {
                     }
                     if ALL {
                         met |= close;
+                        let inner = body.inner[ball] - ROUNDING;
+                        if inner > 0.0 {
+                            sure |= shape.meets(simd, at, inner);
+                        }
                         continue;
                     }
                     if shape.meets(simd, at, radius) != 0 {
@@ -408,7 +422,7 @@ impl Kernel {
                 if met != 0
                     && let Some(owner) = around.obstacles.owner(slot)
                 {
-                    note(&mut suspects.obstacles, part.link, owner as usize, met);
+                    note(&mut suspects.obstacles, (part.link, owner as usize), (met, sure));
                 }
             }
         }
@@ -449,7 +463,7 @@ impl Kernel {
         let larger = scratch.larger[entity / LANES].0[entity % LANES];
         let centre_b = Point::load(simd, &scratch.centres[pair.b]);
         let square = |r: f32| splat(simd, r * r);
-        let (mut near, mut met) = (0, 0);
+        let (mut near, mut met, mut sure) = (0, 0, 0);
         let (frame_a, frame_b) = (body.parts[pair.a].frame, body.parts[pair.b].frame);
         for row in &body.rows[pair.rows.clone()] {
             let a = self.ball_at(simd, frame_a, row.ball, scratch);
@@ -465,6 +479,10 @@ impl Kernel {
                 }
                 if ALL {
                     met |= close;
+                    let (a, b) = (body.inner[row.ball], body.inner[partner.ball]);
+                    if a > 0.0 && b > 0.0 {
+                        sure |= bits(apart.simd_lt(square((a + b - ROUNDING).max(0.0))));
+                    }
                 } else if bits(apart.simd_lt(square(partner.sum + margin))) != 0 {
                     return None;
                 }
@@ -473,7 +491,7 @@ impl Kernel {
         }
         if met != 0 {
             let (a, b) = (body.parts[pair.a].link, body.parts[pair.b].link);
-            note(&mut suspects.pairs, a.min(b), a.max(b), met);
+            note(&mut suspects.pairs, (a.min(b), a.max(b)), (met, sure));
         }
         Some(near)
     }

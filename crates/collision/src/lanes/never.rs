@@ -15,8 +15,6 @@ use std::f64::consts::{PI, TAU};
 
 /// Boxes looked at for the spheres of one pair of links.
 const MOST_BOXES: usize = 128;
-/// Boxes looked at for one pair of links.
-const MOST_LINK_BOXES: usize = 1000;
 const MOST_LINK_JOINTS: usize = 2;
 /// With more joints between two links than this, no box is small soon.
 const MOST_JOINTS: usize = 3;
@@ -59,8 +57,9 @@ impl Relative {
         Relative { steps: found.then_some(steps), ranges }
     }
 
-    /// Whether two links, given by their shapes, keep `margin` for all values of the joints between.
-    pub fn always_apart(&self, a: &Solid, b: &Solid, margin: f64) -> bool {
+    /// Whether two links, given by their shapes, keep `margin` for all values of the joints between,
+    /// shown with no more than `most` boxes.
+    pub fn always_apart(&self, a: &Solid, b: &Solid, margin: f64, most: usize) -> bool {
         if self.steps.is_none() || self.ranges.len() > MOST_LINK_JOINTS || a.parts.is_empty() || b.parts.is_empty() {
             return false;
         }
@@ -74,7 +73,7 @@ impl Relative {
         let mut looked = 0;
         while let Some(ranges) = boxes.pop() {
             looked += 1;
-            if looked > MOST_LINK_BOXES {
+            if looked > most {
                 return false;
             }
             let mut contribution = vec![0.0_f64; ranges.len()];
