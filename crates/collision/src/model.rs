@@ -53,7 +53,7 @@ const ARM_CELL: f64 = 0.08;
 const HAND_CELL: f64 = 0.03;
 /// The same for the kernel's spheres, which stand for the link.
 const KERNEL_ARM_CELL: f64 = 0.04;
-const KERNEL_HAND_CELL: f64 = 0.015;
+const KERNEL_HAND_CELL: f64 = 0.008;
 const KERNEL_HELD_CELL: f64 = 0.02;
 
 impl CollisionModel {
