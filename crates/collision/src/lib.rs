@@ -9,6 +9,7 @@
 //! [`Moment`] says what is the case now: which objects still stand, where others were put down,
 //! what the hand holds. Removing an object from the moment's set rebuilds nothing.
 
+mod between;
 mod directions;
 pub mod lanes;
 mod model;

@@ -24,7 +24,12 @@ pub struct Held {
 }
 
 impl Held {
-    /// Something held, as it is for the tool.
+    /// No point of it is farther from its frame's origin, metres.
+    pub fn radius(&self) -> f64 {
+        self.parts.iter().map(|p| p.pose.translation.length() + p.radius).fold(0.0, f64::max)
+    }
+
+    /// What is held, as it is for the tool.
     pub fn solid(&self) -> Solid {
         Solid { parts: self.parts.iter().map(|p| (self.tool_from_object * p.pose, p.convex.clone())).collect() }
     }

@@ -51,11 +51,6 @@ impl Slack {
         self.links.iter().copied().fold(0.0, f64::max)
     }
 
-    /// How far any point of a link moves.
-    pub(crate) fn link(&self, index: usize) -> f64 {
-        self.links[index]
-    }
-
     /// How far link `b` moves as seen from link `a`: only joints between them count.
     pub(crate) fn between(&self, world: &World, a: usize, b: usize) -> f64 {
         let apart = world.model.kinematics.moved_by[a] ^ world.model.kinematics.moved_by[b];

@@ -1,12 +1,14 @@
 //! Exact answers about the few things that the kernel's spheres touch; see [`crate::Quick`].
 
+use crate::directions::Directions;
 use crate::lanes::{Suspect, Suspects};
-use crate::moment::Moment;
+use crate::moment::{Held, Moment};
 use crate::obstacle::Obstacle;
-use crate::probe::{Probe, Slack};
 use crate::query::{SELF_MARGIN, Scratch, Touch, held_near, held_near_link, link_near, links_near};
 use crate::world::World;
+use clearway_geometry::{Pose, Vec3};
 use clearway_plan::{ObjectId, ObjectSet};
+use clearway_robot::Sphere;
 
 /// Whose an obstacle is.
 enum Owner {
@@ -77,65 +79,110 @@ impl World {
         if suspects.pairs.iter().filter(of_lane).any(meets) { Touch::Fixed } else { Touch::Objects(touched) }
     }
 
-    /// [`World::probe`], for a posture that is known to touch nothing but the suspects, nor anywhere
-    /// in the motion asked about. What the posture leans is not looked at.
-    pub fn probe_among(
-        &self,
-        posture: &[f64],
-        moment: &Moment,
-        slack: Option<&Slack>,
-        suspects: &Suspects,
-        scratch: &mut Scratch,
-    ) -> Probe {
+    /// Whether a posture is free that is known to touch nothing but the suspects of the first lane.
+    pub fn free_among(&self, posture: &[f64], moment: &Moment, suspects: &Suspects, scratch: &mut Scratch) -> bool {
+        if suspects.any_sure() {
+            return false;
+        }
+        if suspects.is_empty() {
+            return true;
+        }
         scratch.checked += 1;
-        self.place_links(posture, moment.hand, scratch);
-        let Scratch { frames, centres, directions, .. } = scratch;
-        let held_index = self.model.held_index();
-        let held = moment.held.as_ref().map(|held| (held, frames[self.model.kinematics.tool] * held.tool_from_object));
-        let mut around = slack;
-        for suspect in &suspects.obstacles {
-            let index = suspect.link;
-            let Some((owner, obstacle)) = self.owner(moment, suspect.other) else { continue };
-            let mut near = |more: f64| match (self.model.links.get(index), &held) {
-                (Some(Some(link)), _) => {
-                    let margin = self.margin(moment, &owner, link.hand) + more;
-                    link_near(link, &frames[index], centres[index], obstacle, margin, directions)
+        self.model.kinematics.frames(posture, moment.hand, &mut scratch.frames);
+        let Scratch { frames, directions, .. } = scratch;
+        !self.questions(moment, suspects).any(|(question, _)| question.near(self, moment, frames, 0.0, directions))
+    }
+
+    /// What suspects are suspected of, and in which lanes.
+    pub(crate) fn questions<'a>(&'a self, moment: &'a Moment, suspects: &'a Suspects) -> impl Iterator<Item = (Question<'a>, u16)> {
+        let obstacles = suspects.obstacles.iter().filter_map(|s| {
+            let (owner, obstacle) = self.owner(moment, s.other)?;
+            let margin = match self.model.links.get(s.link) {
+                Some(Some(link)) => self.margin(moment, &owner, link.hand),
+                Some(None) => return None,
+                None => moment.held_margin,
+            };
+            Some((Question::Obstacle { body: s.link, obstacle, margin }, s.lanes))
+        });
+        obstacles.chain(suspects.pairs.iter().map(|s| (Question::Pair { a: s.link, b: s.other }, s.lanes)))
+    }
+
+    /// Where a body is, the links being placed: a link, or what is held.
+    pub(crate) fn frame(&self, moment: &Moment, body: usize, frames: &[Pose]) -> Pose {
+        match (&moment.held, frames.get(body)) {
+            (_, Some(frame)) => *frame,
+            (Some(held), None) => frames[self.model.kinematics.tool] * held.tool_from_object,
+            (None, None) => Pose::IDENTITY,
+        }
+    }
+
+    /// A ball that holds a body, in its frame.
+    pub(crate) fn bound(&self, moment: &Moment, body: usize) -> Sphere {
+        let nothing = Sphere { centre: Vec3::ZERO, radius: 0.0 };
+        match self.model.links.get(body) {
+            Some(link) => link.as_ref().map_or(nothing, |l| l.bound),
+            None => Sphere { radius: moment.held.as_ref().map_or(0.0, |held| held.radius()), ..nothing },
+        }
+    }
+
+    /// How far joints could move any point of a body from one posture to another, each on its own.
+    pub(crate) fn swing(&self, moment: &Moment, body: usize, a: &[f64], b: &[f64]) -> f64 {
+        let far = |held: &Held| held.tool_from_object.translation.length() + held.radius();
+        let (reach, longer) = match self.model.link_reach.get(body) {
+            Some(reach) => (reach, 0.0),
+            None => (&self.model.tool_reach, moment.held.as_ref().map_or(0.0, far)),
+        };
+        let swing = |((a, b), r): ((&f64, &f64), &f64)| if *r > 0.0 { (a - b).abs() * (r + longer) } else { 0.0 };
+        a.iter().zip(b).zip(reach).map(swing).sum()
+    }
+}
+
+/// A suspicion, to be asked exactly. A body is a link's index, or [`crate::CollisionModel::held_index`].
+#[derive(Clone, Copy)]
+pub(crate) enum Question<'a> {
+    Obstacle { body: usize, obstacle: &'a Obstacle, margin: f64 },
+    /// What is held comes last.
+    Pair { a: usize, b: usize },
+}
+
+impl Question<'_> {
+    /// Whether the two come closer than they should, by up to `more`.
+    pub fn near(&self, world: &World, moment: &Moment, frames: &[Pose], more: f64, directions: &mut Directions) -> bool {
+        let link = |index: usize| world.model.links.get(index).and_then(Option::as_ref);
+        match *self {
+            Question::Obstacle { body, obstacle, margin } => match (link(body), &moment.held) {
+                (Some(link), _) => {
+                    let frame = &frames[body];
+                    link_near(link, frame, frame.point(link.bound.centre), obstacle, margin + more, directions)
                 }
-                (None, Some((held, frame))) => {
+                (None, Some(held)) => {
+                    let frame = world.frame(moment, body, frames);
+                    held.parts.iter().any(|part| held_near(part, &frame, obstacle, margin + more, directions))
+                }
+                (None, None) => false,
+            },
+            Question::Pair { a, b } => match (link(a), link(b), &moment.held) {
+                (Some(la), Some(lb), _) => {
+                    let (fa, fb) = (&frames[a], &frames[b]);
+                    let (ca, cb) = (fa.point(la.bound.centre), fb.point(lb.bound.centre));
+                    links_near((la, fa, ca), (lb, fb, cb), SELF_MARGIN + more, directions)
+                }
+                (Some(la), None, Some(held)) => {
+                    let frame = world.frame(moment, b, frames);
                     let margin = moment.held_margin + more;
-                    held.parts.iter().any(|part| held_near(part, frame, obstacle, margin, directions))
+                    held.parts.iter().any(|part| held_near_link(part, &frame, la, &frames[a], margin, directions))
                 }
                 _ => false,
-            };
-            if around.is_none_or(|s| near(s.link(index))) {
-                around = None;
-                if near(0.0) {
-                    return Probe::Hit;
-                }
-            }
+            },
         }
-        for suspect in &suspects.pairs {
-            // What is held comes last.
-            let (a, b) = (suspect.link, suspect.other);
-            let Some(la) = &self.model.links[a] else { continue };
-            let mut near = |more: f64| match (self.model.links.get(b), &held) {
-                (Some(Some(lb)), _) => {
-                    links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN + more, directions)
-                }
-                (None, Some((held, frame))) => {
-                    let margin = moment.held_margin + more;
-                    held.parts.iter().any(|part| held_near_link(part, frame, la, &frames[a], margin, directions))
-                }
-                _ => false,
-            };
-            let moved = |s: &Slack| if b == held_index { s.link(a) + s.link(b) } else { s.between(self, a, b) };
-            if around.is_none_or(|s| near(moved(s))) {
-                around = None;
-                if near(0.0) {
-                    return Probe::Hit;
-                }
-            }
-        }
-        if around.is_some() { Probe::Around } else { Probe::Here }
+    }
+
+    /// The bodies that move.
+    pub fn bodies(&self) -> impl Iterator<Item = usize> + use<> {
+        let (first, second) = match *self {
+            Question::Obstacle { body, .. } => (body, None),
+            Question::Pair { a, b } => (a, Some(b)),
+        };
+        std::iter::once(first).chain(second)
     }
 }

@@ -5,6 +5,15 @@ use crate::{Corners, Curve, Path, Space, distance};
 /// Off by less than this the curve counts as the path itself, metres: a fraction of the margins.
 const SAME: f64 = 1e-4;
 
+/// The curve with all corners rounded as widely as goes, whatever that touches.
+pub fn roundest(path: &Path) -> Curve {
+    let mut path = path.clone();
+    path.dedup_by(|a, b| distance(a, b) < 1e-9);
+    let corners = Corners::of(&path);
+    let widest = corners.widest();
+    Curve::through(&corners, &widest)
+}
+
 /// Every corner is rounded as widely as possible, and less where the rounding would touch
 /// something. Rounding one corner changes the curve within its width only, and is checked there
 /// with all that was rounded before it.

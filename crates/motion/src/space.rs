@@ -21,14 +21,6 @@ pub struct Space<'a> {
     row: Posture,
 }
 
-/// What is looked at exactly.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Whole {
-    All,
-    /// What the kernel suspects.
-    Suspects,
-}
-
 /// Samples per radian that quick answers are asked with.
 const PER_RADIAN: f64 = 32.0;
 
@@ -58,7 +50,7 @@ impl<'a> Space<'a> {
             return false;
         }
         quick.suspects(row, &mut self.suspects);
-        !self.suspects.any_sure() && (self.suspects.is_empty() || self.look(q, None, Whole::Suspects) != Probe::Hit)
+        self.world.free_among(q, self.moment, &self.suspects, &mut self.scratch)
     }
 
     pub fn touched(&mut self, q: &[f64]) -> Touch {
@@ -76,7 +68,7 @@ impl<'a> Space<'a> {
     /// Whether the straight line is free, both ends included; `a` is taken to be free already.
     pub fn line_free(&mut self, a: &[f64], b: &[f64]) -> bool {
         if self.quick.is_none() {
-            return self.line_free_exactly(a, b, Whole::All);
+            return self.line_free_exactly(a, b);
         }
         // The end is what most lines fail at; then only what the kernel suspects is looked at.
         self.surely_free(a, b) || self.free(b) && self.rows_free(&line(a, b))
@@ -87,8 +79,8 @@ impl<'a> Space<'a> {
         self.quick.as_mut().is_some_and(|q| q.motion_free(a, b, PER_RADIAN))
     }
 
-    fn line_free_exactly(&mut self, a: &[f64], b: &[f64], whole: Whole) -> bool {
-        if self.look(b, None, whole) == Probe::Hit {
+    fn line_free_exactly(&mut self, a: &[f64], b: &[f64]) -> bool {
+        if !self.free(b) {
             return false;
         }
         let along = |t: f64, q: &mut Posture| {
@@ -99,20 +91,13 @@ impl<'a> Space<'a> {
             d.clear();
             d.extend(a.iter().zip(b).map(|(a, b)| (b - a).abs() * (to - from)));
         };
-        self.between_free(0.0, 1.0, whole, along, moved)
-    }
-
-    fn look(&mut self, q: &[f64], slack: Option<&Slack>, whole: Whole) -> Probe {
-        match whole {
-            Whole::All => self.world.probe(q, self.moment, slack, &mut self.scratch),
-            Whole::Suspects => self.world.probe_among(q, self.moment, slack, &self.suspects, &mut self.scratch),
-        }
+        self.between_free(0.0, 1.0, along, moved)
     }
 
     /// Whether rows with straight lines between them are free, the first included.
     pub fn rows_free(&mut self, rows: &[Posture]) -> bool {
         if self.quick.is_none() || rows.len() < 2 {
-            return self.rows_free_exactly(rows, Whole::All);
+            return self.rows_free_exactly(rows);
         }
         if self.world.any_leans(rows, self.moment, &mut self.scratch) {
             return false;
@@ -121,13 +106,10 @@ impl<'a> Space<'a> {
         let mut from = 0;
         while from + 1 < rows.len() {
             let to = (from + LANES - 1).min(rows.len() - 1);
-            let mut suspects = std::mem::take(&mut self.suspects);
             if let Some(quick) = &mut self.quick {
-                quick.rows_suspects(&rows[from..=to], &mut suspects);
+                quick.rows_suspects(&rows[from..=to], &mut self.suspects);
             }
-            let (none, hit) = (suspects.is_empty(), suspects.any_sure());
-            self.suspects = suspects;
-            if hit || !none && !self.rows_free_exactly(&rows[from..=to], Whole::Suspects) {
+            if !self.world.rows_clear(&rows[from..=to], self.moment, &self.suspects, self.step, &mut self.scratch) {
                 return false;
             }
             from = to;
@@ -135,9 +117,9 @@ impl<'a> Space<'a> {
         true
     }
 
-    fn rows_free_exactly(&mut self, rows: &[Posture], whole: Whole) -> bool {
+    fn rows_free_exactly(&mut self, rows: &[Posture]) -> bool {
         let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return true };
-        if self.look(first, None, whole) == Probe::Hit || self.look(last, None, whole) == Probe::Hit {
+        if !self.free(first) || !self.free(last) {
             return false;
         }
         // By row and joint: how much the joint has moved since the first row, back and forth.
@@ -161,7 +143,7 @@ impl<'a> Space<'a> {
             at(&travel, from, &mut start);
             d.iter_mut().zip(&start).for_each(|(d, s)| *d -= s);
         };
-        self.between_free(0.0, (rows.len() - 1) as f64, whole, |t, q| at(rows, t, q), moved)
+        self.between_free(0.0, (rows.len() - 1) as f64, |t, q| at(rows, t, q), moved)
     }
 
     /// Whether the open interval of a motion is free: halves it, coarse first, until every part is
@@ -171,7 +153,6 @@ impl<'a> Space<'a> {
         &mut self,
         from: f64,
         to: f64,
-        whole: Whole,
         along: impl Fn(f64, &mut Posture),
         mut moved: impl FnMut(f64, f64, &mut Posture),
     ) -> bool {
@@ -190,10 +171,7 @@ impl<'a> Space<'a> {
                 continue;
             }
             along(middle, &mut q);
-            let slack = std::mem::take(&mut self.slack);
-            let found = self.look(&q, Some(&slack), whole);
-            self.slack = slack;
-            match found {
+            match self.world.probe(&q, self.moment, Some(&self.slack), &mut self.scratch) {
                 Probe::Hit => return false,
                 Probe::Around => {}
                 Probe::Here => self.queue.extend([(a, middle), (middle, b)]),

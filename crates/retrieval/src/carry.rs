@@ -12,7 +12,7 @@ use clearway_collision::{Held, Lean, Moment, Obstacle, World};
 use clearway_geometry::{Mat3, Pose, Vec2, Vec3};
 use clearway_motion::{
     Limits, NearEnds, Path, Posture, RrtSettings, SimplifySettings, Space, Surely, Timed, Trees, connect,
-    distance, shorten, simplify, smooth, time_curve,
+    distance, roundest, shorten, simplify, smooth, time_curve,
 };
 use clearway_plan::plan_file::{Action, Attached, GripperValue, PlacedPose, Segment, SegmentKind, Step};
 use clearway_plan::robot_file::HandKind;
@@ -256,36 +256,42 @@ impl<R: Rng> Carrier<'_, R> {
             Limits { velocity: robot.velocity.clone(), acceleration: robot.acceleration.clone(), jerk: robot.jerk.clone() };
         let mut lenient = moment.clone();
         lenient.resting = resting_within.is_some();
-        let curve = smooth(&mut Space::quick(self.world, &lenient, self.settings.step), path);
-        let timed = time_curve(&curve, &limits, self.settings.row);
-        if timed.positions.len() < 2 {
-            return obstructed(what, ObjectSet::EMPTY);
-        }
-        self.budget.check()?;
-        let rows = &timed.positions;
-        // Near both ends what is held may rest on what carries it: as long as it is no higher than
-        // it is lifted there, or lowered.
-        let (from, to) = match resting_within {
-            Some(reach) => {
-                let tool = |q: &Posture| self.world.model.kinematics.tool(q, moment.hand).translation;
-                let (first, last) = (tool(&rows[0]), tool(&rows[rows.len() - 1]));
-                let low = |q: &Posture, end: Vec3| {
-                    let off = tool(q) - end;
-                    off.dot(self.world.up()).abs() < RESTING && off.length() < reach
-                };
-                let from = rows.iter().position(|q| !low(q, first)).unwrap_or(rows.len() - 1);
-                let to = rows.iter().rposition(|q| !low(q, last)).unwrap_or(from).max(from);
-                (from, to)
-            }
-            None => (0, rows.len() - 1),
-        };
         let mut strict = Space::quick(self.world, moment, self.settings.final_step);
-        let mut resting = Space::new(self.world, &lenient, self.settings.final_step);
-        if resting.rows_free(&rows[..=from]) && strict.rows_free(&rows[from..=to]) && resting.rows_free(&rows[to..]) {
-            return Ok(Ok(timed));
+        let mut resting = Space::quick(self.world, &lenient, self.settings.final_step);
+        // As round as can be; where that touches something, only as round as is free.
+        let mut timed = time_curve(&roundest(path), &limits, self.settings.row);
+        for careful in [false, true] {
+            self.budget.check()?;
+            if careful {
+                let curve = smooth(&mut Space::quick(self.world, &lenient, self.settings.step), path);
+                timed = time_curve(&curve, &limits, self.settings.row);
+            }
+            let rows = &timed.positions;
+            if rows.len() < 2 {
+                return obstructed(what, ObjectSet::EMPTY);
+            }
+            let (from, to) = self.resting_rows(moment, rows, resting_within);
+            if resting.rows_free(&rows[..=from]) && strict.rows_free(&rows[from..=to]) && resting.rows_free(&rows[to..]) {
+                return Ok(Ok(timed));
+            }
         }
-        let blamed = resting.path_touched(rows).unwrap_or_default();
+        let blamed = Space::new(self.world, &lenient, self.settings.final_step).path_touched(&timed.positions).unwrap_or_default();
         obstructed(what, blamed)
+    }
+
+    /// The rows between which what is held is off what carries it: near both ends of a motion it may
+    /// rest, as long as it is no higher than it is lifted there, or lowered.
+    fn resting_rows(&self, moment: &Moment, rows: &[Posture], resting_within: Option<f64>) -> (usize, usize) {
+        let Some(reach) = resting_within else { return (0, rows.len() - 1) };
+        let tool = |q: &Posture| self.world.model.kinematics.tool(q, moment.hand).translation;
+        let (first, last) = (tool(&rows[0]), tool(&rows[rows.len() - 1]));
+        let low = |q: &Posture, end: Vec3| {
+            let off = tool(q) - end;
+            off.dot(self.world.up()).abs() < RESTING && off.length() < reach
+        };
+        let from = rows.iter().position(|q| !low(q, first)).unwrap_or(rows.len() - 1);
+        let to = rows.iter().rposition(|q| !low(q, last)).unwrap_or(from).max(from);
+        (from, to)
     }
 
     /// A free motion with the object in hand: level if one is found soon, otherwise any.

@@ -234,7 +234,7 @@ impl Planner {
         let target = self.scene.target;
         let count = self.scene.objects.len();
         run.budget.check()?;
-        self.explore(target, run)?;
+        self.see_all(target, run)?;
         if self.ways_of(target).is_some_and(|w| w.ways.is_empty()) && self.proved_out_of_reach(target, run)? {
             return Ok(Outcome::Impossible);
         }
@@ -407,19 +407,21 @@ impl Planner {
         run: &mut Run,
     ) -> Result<Result<Box<Carried>, Vec<ObjectSet>>, Stop> {
         const WAYS_TRIED: usize = 5;
-        let candidates = self.free_ways(object, removed, WAYS_TRIED, run)?;
         let mut blamed = Vec::new();
-        let Some(ways) = self.ways[object.index()].as_mut() else { return Ok(Err(blamed)) };
-        let mut carrier = Carrier {
-            world: &self.world,
-            scene: &self.scene,
-            inverse: &self.inverse,
-            settings: &self.settings.carry,
-            random: &mut run.random_motion,
-            budget: &run.budget,
-            trees: &mut self.trees,
-        };
-        for index in candidates {
+        for tried in 0..WAYS_TRIED {
+            // Those that failed least come first.
+            let candidates = self.free_ways(object, removed, tried + 1, run)?;
+            let Some(ways) = self.ways[object.index()].as_mut() else { break };
+            let (Some(&index), true) = (candidates.first(), candidates.len() > tried) else { break };
+            let mut carrier = Carrier {
+                world: &self.world,
+                scene: &self.scene,
+                inverse: &self.inverse,
+                settings: &self.settings.carry,
+                random: &mut run.random_motion,
+                budget: &run.budget,
+                trees: &mut self.trees,
+            };
             let way = &ways.ways[index];
             match carrier.take(object, &ways.grasps[way.grasp], way, situation, last)? {
                 Ok(carried) => return Ok(Ok(Box::new(carried))),
@@ -455,10 +457,19 @@ impl Planner {
 
     fn explore(&mut self, object: ObjectId, run: &Run) -> Result<(), Stop> {
         if self.ways[object.index()].is_none() {
-            let found = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways).explore(object, &mut self.scratch, &run.budget)?;
+            let found = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways).explore(object, &run.budget)?;
             self.ways[object.index()] = Some(found);
         }
         Ok(())
+    }
+
+    fn see_all(&mut self, object: ObjectId, run: &Run) -> Result<(), Stop> {
+        self.explore(object, run)?;
+        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways);
+        match self.ways[object.index()].as_mut() {
+            Some(ways) => explorer.see_all(object, ways, &mut self.scratch, &run.budget),
+            None => Ok(()),
+        }
     }
 
     fn free_ways(&mut self, object: ObjectId, removed: &ObjectSet, most: usize, run: &Run) -> Result<Vec<usize>, Stop> {

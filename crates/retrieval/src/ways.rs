@@ -85,6 +85,9 @@ pub struct Ways {
     pub grasps: Vec<Grasp>,
     pub ways: Vec<Way>,
     pub counts: Counts,
+    /// Grasp postures not looked at yet: grasps and postures, the farthest from the resting posture
+    /// first.
+    unseen: Vec<(usize, Posture)>,
     /// How many of the first ways are straight; the others follow routes.
     straight: usize,
 }
@@ -99,6 +102,8 @@ pub struct Counts {
     /// The hand cannot come straight from the standoff: out of reach, a fixture, or the arm itself.
     pub fixed_on_approach: usize,
     pub ways: usize,
+    /// Not looked at yet.
+    pub unseen: usize,
 }
 
 impl Counts {
@@ -109,6 +114,7 @@ impl Counts {
             ("the arm meets a fixture or itself at the grasp", self.fixed_at_grasp),
             ("the straight approach meets a fixture, the arm itself, or the end of reach", self.fixed_on_approach),
             ("a way in, free but for movable objects", self.ways),
+            ("not looked at: there were ways enough", self.unseen),
         ]
         .into_iter()
         .filter(|(_, count)| *count > 0)
@@ -134,53 +140,67 @@ pub struct Explorer<'a> {
 }
 
 impl Explorer<'_> {
-    /// Finds every grasp posture of an object, and what it touches.
-    pub fn explore(&self, object: ObjectId, scratch: &mut Scratch, budget: &Budget) -> Result<Ways, Stop> {
+    /// Finds every grasp posture of an object; none is looked at yet.
+    pub fn explore(&self, object: ObjectId, budget: &Budget) -> Result<Ways, Stop> {
         let (grasps, too_wide) = preset_grasps(self.world, object);
         let mut found = Ways { counts: Counts { too_wide, ..Counts::default() }, ..Ways::default() };
-        let mut candidates: Vec<(usize, Posture)> = Vec::new();
+        let home = &self.world.robot.home;
         for (index, grasp) in grasps.iter().enumerate() {
             budget.check()?;
             let root_from_tool = self.world.poses[object.index()] * grasp.object_from_tool;
-            let branches = self.inverse.solve(&root_from_tool, &self.world.robot.home);
+            let branches = self.inverse.solve(&root_from_tool, home);
             found.counts.out_of_reach += usize::from(branches.is_empty());
-            candidates.extend(branches.into_iter().map(|q| (index, q)));
+            found.unseen.extend(branches.into_iter().map(|q| (index, q)));
         }
-        let moments: Vec<Moment> =
-            grasps.iter().map(|grasp| Moment { resting: true, ..self.moment(object, grasp) }).collect();
-        let route = Arc::new(Vec::new());
-        let Some(first) = moments.first() else { return Ok(found) };
-        let mut quick = Quick::links(self.world, first);
+        // Ways that end near the resting posture are taken first, so they are looked at first.
+        found.unseen.sort_by_cached_key(|(_, q)| std::cmp::Reverse((distance(q, home) * 1e9) as u64));
+        found.counts.unseen = found.unseen.len();
+        found.grasps = grasps;
+        Ok(found)
+    }
+
+    /// Looks at what sixteen more grasp postures touch; false when all have been looked at.
+    fn see(&self, object: ObjectId, found: &mut Ways, scratch: &mut Scratch) -> bool {
+        let some = found.unseen.split_off(found.unseen.len().saturating_sub(LANES));
+        let Some((first, _)) = some.first() else { return false };
+        found.counts.unseen -= some.len();
+        let moment = |grasp: usize| Moment { resting: true, ..self.moment(object, &found.grasps[grasp]) };
         let mut suspects = Suspects::default();
-        let mut postures: Vec<Posture> = Vec::with_capacity(LANES);
-        for some in candidates.chunks(LANES) {
-            budget.check()?;
-            postures.clear();
-            postures.extend(some.iter().map(|(_, q)| q.clone()));
-            quick.suspects(&postures, &mut suspects);
-            for (lane, (grasp, posture)) in some.iter().enumerate() {
-                match self.world.touched_among(posture, &moments[*grasp], &suspects, lane, scratch) {
-                    Touch::Fixed => found.counts.fixed_at_grasp += 1,
-                    Touch::Objects(touched) => {
-                        // Nothing is lifted from under a load.
-                        let blocked_by = touched.union(self.world.loads[object.index()]);
-                        found.counts.ways += 1;
-                        found.ways.push(Way {
-                            grasp: *grasp,
-                            postures: vec![posture.clone()],
-                            blocked_by,
-                            stage: Stage::Grasp,
-                            route: route.clone(),
-                            clear: false,
-                            failures: 0,
-                        });
-                    }
+        let postures: Vec<Posture> = some.iter().map(|(_, q)| q.clone()).collect();
+        Quick::links(self.world, &moment(*first)).suspects(&postures, &mut suspects);
+        let route = Arc::new(Vec::new());
+        let mut seen = Vec::with_capacity(LANES);
+        for (lane, (grasp, posture)) in some.into_iter().enumerate().rev() {
+            match self.world.touched_among(&posture, &moment(grasp), &suspects, lane, scratch) {
+                Touch::Fixed => found.counts.fixed_at_grasp += 1,
+                Touch::Objects(touched) => {
+                    // Nothing is lifted from under a load.
+                    let blocked_by = touched.union(self.world.loads[object.index()]);
+                    found.counts.ways += 1;
+                    seen.push(Way {
+                        grasp,
+                        postures: vec![posture],
+                        blocked_by,
+                        stage: Stage::Grasp,
+                        route: route.clone(),
+                        clear: false,
+                        failures: 0,
+                    });
                 }
             }
         }
-        found.grasps = grasps;
-        found.straight = found.ways.len();
-        Ok(found)
+        let count = seen.len();
+        found.ways.splice(found.straight..found.straight, seen);
+        found.straight += count;
+        true
+    }
+
+    /// Looks at what all grasp postures touch.
+    pub fn see_all(&self, object: ObjectId, ways: &mut Ways, scratch: &mut Scratch, budget: &Budget) -> Result<(), Stop> {
+        while self.see(object, ways, scratch) {
+            budget.check()?;
+        }
+        Ok(())
     }
 
     /// Adds ways that draw the object out along a route: world points, the first where it stands.
@@ -337,8 +357,17 @@ impl Explorer<'_> {
     ) -> Result<Vec<usize>, Stop> {
         let mut i = 0;
         let mut free = 0;
-        while i < ways.ways.len() {
+        loop {
             budget.check()?;
+            if i == ways.ways.len() {
+                // Those seen now come before the routes; the count of free ones starts anew.
+                (i, free) = (0, 0);
+                let enough = self.free_now(ways, removed).count() >= most.max(3);
+                if enough || !self.see(object, ways, scratch) {
+                    break;
+                }
+                continue;
+            }
             let way = &ways.ways[i];
             let open = self.counts(way) && way.blocked_by.is_subset(removed);
             // A few more than asked for are found, so that there is a choice.
@@ -349,15 +378,19 @@ impl Explorer<'_> {
             free += usize::from(open && way.stage == Stage::Exact && way.clear && way.failures == 0);
             i += 1;
         }
-        let mut free: Vec<usize> = (0..ways.ways.len())
-            .filter(|&i| ways.ways[i].stage == Stage::Exact && self.counts(&ways.ways[i]) && ways.ways[i].blocked_by.is_subset(removed))
-            .collect();
+        let mut free: Vec<usize> = self.free_now(ways, removed).collect();
         let home = &self.world.robot.home;
         let from_home = |i: usize| ways.ways[i].postures.last().map_or(f64::INFINITY, |q| distance(q, home));
         let key = |i: usize| (!ways.ways[i].clear, ways.ways[i].failures);
         free.sort_by(|&a, &b| key(a).cmp(&key(b)).then(from_home(a).total_cmp(&from_home(b))));
         free.truncate(most);
         Ok(free)
+    }
+
+    /// Ways known to be free once `removed` is gone.
+    fn free_now(&self, ways: &Ways, removed: &ObjectSet) -> impl Iterator<Item = usize> {
+        let free = |w: &Way| w.stage == Stage::Exact && self.counts(w) && w.blocked_by.is_subset(removed);
+        (0..ways.ways.len()).filter(move |&i| free(&ways.ways[i]))
     }
 
     /// The minimal sets over all ways: each is one way in. Ways that cannot be minimal, or that more
@@ -370,6 +403,7 @@ impl Explorer<'_> {
         scratch: &mut Scratch,
         budget: &Budget,
     ) -> Result<Vec<ObjectSet>, Stop> {
+        self.see_all(object, ways, scratch, budget)?;
         loop {
             budget.check()?;
             let exact = |w: &&Way| w.stage == Stage::Exact && self.counts(w) && w.blocked_by.len() <= most;
