@@ -11,9 +11,10 @@
 //! so velocity and acceleration limits are linear in x and its differences, and the jerk limit
 //! nearly so. The time, ∫ dτ/√x, is made least by Newton's method with a logarithmic barrier whose
 //! weight falls with every step. A constraint knows three neighbouring x: the Hessian has five
-//! diagonals. At both ends q' is zero, so nothing has to be said about rest there.
+//! diagonals. Rows are in columns over the nodes, so that the machine's lanes take many at once. At both ends q' is zero, so nothing has to be said about rest there.
 
 use crate::Limits;
+use fearless_simd::{Level, dispatch};
 
 /// A motion at even times τ: derivatives in the middle of every step, one row of joints each.
 pub struct Motion {
@@ -33,52 +34,85 @@ pub struct Bounds {
     pub most: Vec<f64>,
 }
 
-/// `|left·x₋ + middle·x + right·x₊| ≤ 1`, times √x for a jerk.
-#[derive(Clone, Copy)]
+/// Rows `|left·x₋ + middle·x + right·x₊| ≤ 1`, for each joint in turn one per inner node.
+#[derive(Default)]
 struct Linear {
-    left: f64,
-    middle: f64,
-    right: f64,
+    left: Vec<f64>,
+    middle: Vec<f64>,
+    right: Vec<f64>,
 }
 
 impl Linear {
-    fn of(self, x: &[f64], k: usize) -> f64 {
-        self.left * x[k - 1] + self.middle * x[k] + self.right * x[k + 1]
+    fn push(&mut self, left: f64, middle: f64, right: f64) {
+        self.left.push(left);
+        self.middle.push(middle);
+        self.right.push(right);
+    }
+
+    /// One joint's rows.
+    #[inline(always)]
+    fn joint(&self, joint: usize, inner: usize) -> [&[f64]; 3] {
+        [&self.left, &self.middle, &self.right].map(|c| &c[joint * inner..][..inner])
     }
 }
 
-/// One joint at one node.
-#[derive(Clone, Copy)]
-struct Pair {
+/// Acceleration's rows, and jerk's, to be multiplied by √x.
+#[derive(Default)]
+struct Rows {
     acceleration: Linear,
     jerk: Linear,
 }
 
-/// Of a node: what the barrier adds to the gradient of x₋, x and x₊ and to the Hessian's entries
+/// By inner node: what the barrier adds to the gradient of x₋, x and x₊ and to the Hessian's entries
 /// (−,−), (−,0), (−,+), (0,0), (0,+), (+,+).
-#[derive(Clone, Copy, Default)]
 struct Push {
-    gradient: [f64; 3],
-    hessian: [f64; 6],
+    gradient: [Vec<f64>; 3],
+    hessian: [Vec<f64>; 6],
+}
+
+/// The barrier −ln(1 − z) − ln(1 + z): its first two derivatives.
+#[inline(always)]
+fn barrier(z: f64) -> (f64, f64) {
+    let w = 1.0 / (1.0 - z * z);
+    (2.0 * z * w, 2.0 * (1.0 + z * z) * w * w)
 }
 
 impl Push {
-    /// The barrier −ln(1 − z) − ln(1 + z), to second order; `g` is the gradient of z.
-    #[inline]
-    fn add(&mut self, z: f64, g: [f64; 3]) {
-        let w = 1.0 / (1.0 - z * z);
-        let (first, second) = (2.0 * z * w, 2.0 * (1.0 + z * z) * w * w);
-        let [l, m, r] = g;
-        let (sl, sm, sr) = (second * l, second * m, second * r);
-        self.gradient[0] += first * l;
-        self.gradient[1] += first * m;
-        self.gradient[2] += first * r;
-        self.hessian[0] += sl * l;
-        self.hessian[1] += sl * m;
-        self.hessian[2] += sl * r;
-        self.hessian[3] += sm * m;
-        self.hessian[4] += sm * r;
-        self.hessian[5] += sr * r;
+    fn new(inner: usize) -> Self {
+        let zeros = || vec![0.0; inner];
+        Self { gradient: std::array::from_fn(|_| zeros()), hessian: std::array::from_fn(|_| zeros()) }
+    }
+
+    /// Adds up all rows' barriers to second order. `roots` are √x at inner nodes.
+    #[inline(always)]
+    fn set(&mut self, rows: &Rows, joints: usize, x: &[f64], roots: &[f64]) {
+        let inner = roots.len();
+        for sums in self.gradient.iter_mut().chain(&mut self.hessian) {
+            sums.fill(0.0);
+        }
+        let (before, here, after) = (&x[..inner], &x[1..][..inner], &x[2..][..inner]);
+        let [g0, g1, g2] = self.gradient.each_mut().map(|g| &mut g[..inner]);
+        let [h0, h1, h2, h3, h4, h5] = self.hessian.each_mut().map(|h| &mut h[..inner]);
+        for joint in 0..joints {
+            let [al, am, ar] = rows.acceleration.joint(joint, inner);
+            let [jl, jm, jr] = rows.jerk.joint(joint, inner);
+            for k in 0..inner {
+                let (l, m, r) = (al[k], am[k], ar[k]);
+                let (first, second) = barrier(l * before[k] + m * here[k] + r * after[k]);
+                let g = jl[k] * before[k] + jm[k] * here[k] + jr[k] * after[k];
+                let (jerk_first, jerk_second) = barrier(g * roots[k]);
+                let (a, b, c) = (jl[k] * roots[k], jm[k] * roots[k] + g / (2.0 * roots[k]), jr[k] * roots[k]);
+                g0[k] += first * l + jerk_first * a;
+                g1[k] += first * m + jerk_first * b;
+                g2[k] += first * r + jerk_first * c;
+                h0[k] += second * l * l + jerk_second * a * a;
+                h1[k] += second * l * m + jerk_second * a * b;
+                h2[k] += second * l * r + jerk_second * a * c;
+                h3[k] += second * m * m + jerk_second * b * b;
+                h4[k] += second * m * r + jerk_second * b * c;
+                h5[k] += second * r * r + jerk_second * c * c;
+            }
+        }
     }
 }
 
@@ -90,22 +124,38 @@ const LESS: f64 = 0.5;
 const EVEN: f64 = 0.3;
 
 /// The fastest pace found: x at both ends of every step. The barrier's weight falls `from` … `to`.
-pub fn fastest(motion: &Motion, limits: &Limits, bounds: &Bounds, (from, to): (f64, f64)) -> Vec<f64> {
+pub fn fastest(motion: &Motion, limits: &Limits, bounds: &Bounds, weights: (f64, f64)) -> Vec<f64> {
+    // Plain loops, compiled for what the machine has.
+    dispatch!(Level::new(), simd => {
+        let _ = simd;
+        search(motion, limits, bounds, weights)
+    })
+}
+
+#[inline(always)]
+fn search(motion: &Motion, limits: &Limits, bounds: &Bounds, (from, to): (f64, f64)) -> Vec<f64> {
     let n = motion.joints;
     let steps = motion.first.len() / n;
-    let pairs = pairs(motion, limits, &bounds.slower);
+    let inner = steps - 1;
+    let rows = rows(motion, limits, &bounds.slower);
     let caps = caps(motion, limits, bounds);
     // As slow as needed for nothing to be near its limit.
     let mut slow = caps.iter().copied().fold(f64::INFINITY, f64::min);
-    for pair in &pairs {
-        let a = pair.acceleration.left + pair.acceleration.middle + pair.acceleration.right;
-        let j = pair.jerk.left + pair.jerk.middle + pair.jerk.right;
-        slow = slow.min(a.abs().recip()).min(j.abs().recip().powf(2.0 / 3.0));
+    for i in 0..n * inner {
+        let (a, j) = (&rows.acceleration, &rows.jerk);
+        slow = slow.min((a.left[i] + a.middle[i] + a.right[i]).abs().recip());
+        let jerk = (j.left[i] + j.middle[i] + j.right[i]).abs();
+        // x^{3/2} jerk ≤ 1, asked without a root where it holds anyway.
+        if slow * slow * slow * jerk * jerk > 1.0 {
+            slow = jerk.recip().powf(2.0 / 3.0);
+        }
     }
     let mut x = vec![0.9 * slow; steps + 1];
     let mut next = x.clone();
+    let mut roots = vec![0.0; inner];
     let mut gradient = vec![0.0; steps + 1];
     let mut diagonals = vec![[0.0; 3]; steps + 1];
+    let mut push = Push::new(inner);
     let unit = slow.sqrt();
     let mut weight = from;
     while weight > to {
@@ -117,39 +167,25 @@ pub fn fastest(motion: &Motion, limits: &Limits, bounds: &Bounds, (from, to): (f
             gradient[k] = room - 0.5 * time * y;
             diagonals[k] = [room * room + 0.75 * time * y * y, 0.0, 0.0];
         }
-        // Even paces are preferred.
-        for k in 1..steps {
-            let stiff = EVEN / (weight * slow * slow);
-            let bend = x[k - 1] - 2.0 * x[k] + x[k + 1];
-            gradient[k - 1] += stiff * bend;
-            gradient[k] -= 2.0 * stiff * bend;
-            gradient[k + 1] += stiff * bend;
-            diagonals[k - 1][0] += stiff;
-            diagonals[k - 1][1] -= 2.0 * stiff;
-            diagonals[k - 1][2] += stiff;
-            diagonals[k][0] += 4.0 * stiff;
-            diagonals[k][1] -= 2.0 * stiff;
-            diagonals[k + 1][0] += stiff;
+        for (root, x) in roots.iter_mut().zip(&x[1..]) {
+            *root = x.sqrt();
         }
+        push.set(&rows, n, &x, &roots);
+        // Even paces are preferred.
+        let stiff = EVEN / (weight * slow * slow);
         for k in 1..steps {
-            let mut push = Push::default();
-            let root = x[k].sqrt();
-            for pair in &pairs[(k - 1) * n..k * n] {
-                let (a, j) = (pair.acceleration, pair.jerk);
-                push.add(a.of(&x, k), [a.left, a.middle, a.right]);
-                let g = j.of(&x, k);
-                push.add(g * root, [j.left * root, j.middle * root + g / (2.0 * root), j.right * root]);
-            }
-            for i in 0..3 {
-                gradient[k + i - 1] += push.gradient[i];
-            }
-            let h = &push.hessian;
-            diagonals[k - 1][0] += h[0];
-            diagonals[k - 1][1] += h[1];
-            diagonals[k - 1][2] += h[2];
-            diagonals[k][0] += h[3];
-            diagonals[k][1] += h[4];
-            diagonals[k + 1][0] += h[5];
+            let bend = stiff * (x[k - 1] - 2.0 * x[k] + x[k + 1]);
+            let [g0, g1, g2] = push.gradient.each_ref().map(|g| g[k - 1]);
+            let [h0, h1, h2, h3, h4, h5] = push.hessian.each_ref().map(|h| h[k - 1]);
+            gradient[k - 1] += bend + g0;
+            gradient[k] += g1 - 2.0 * bend;
+            gradient[k + 1] += bend + g2;
+            diagonals[k - 1][0] += stiff + h0;
+            diagonals[k - 1][1] += h1 - 2.0 * stiff;
+            diagonals[k - 1][2] += stiff + h2;
+            diagonals[k][0] += 4.0 * stiff + h3;
+            diagonals[k][1] += h4 - 2.0 * stiff;
+            diagonals[k + 1][0] += stiff + h5;
         }
         solve(&mut diagonals, &mut gradient);
         // As far as that leads while everything stays within its limits.
@@ -158,7 +194,7 @@ pub fn fastest(motion: &Motion, limits: &Limits, bounds: &Bounds, (from, to): (f
             for k in 0..=steps {
                 next[k] = x[k] - far * gradient[k];
             }
-            if within(&next, &x, &caps, &pairs, n) {
+            if within(&next, &x, &caps, &rows, n, &mut roots) {
                 std::mem::swap(&mut x, &mut next);
                 break;
             }
@@ -169,39 +205,51 @@ pub fn fastest(motion: &Motion, limits: &Limits, bounds: &Bounds, (from, to): (f
     x
 }
 
-/// Whether limits hold, and x is not much less than it was.
-fn within(x: &[f64], before: &[f64], caps: &[f64], pairs: &[Pair], n: usize) -> bool {
-    let last = x.len() - 1;
-    x.iter().zip(before).zip(caps).all(|((x, b), cap)| *x > 0.2 * b && x < cap)
-        && (1..last).all(|k| {
-            let root = x[k].sqrt();
-            pairs[(k - 1) * n..k * n]
-                .iter()
-                .all(|p| p.acceleration.of(x, k).abs() < 1.0 && (p.jerk.of(x, k) * root).abs() < 1.0)
-        })
+/// Whether limits hold, and x is not much less than it was. `roots` is room for √x.
+#[inline(always)]
+fn within(x: &[f64], before: &[f64], caps: &[f64], rows: &Rows, joints: usize, roots: &mut [f64]) -> bool {
+    if !x.iter().zip(before).zip(caps).all(|((x, b), cap)| *x > 0.2 * b && x < cap) {
+        return false;
+    }
+    let inner = roots.len();
+    for (root, x) in roots.iter_mut().zip(&x[1..]) {
+        *root = x.sqrt();
+    }
+    let (before, here, after) = (&x[..inner], &x[1..][..inner], &x[2..][..inner]);
+    (0..joints).all(|joint| {
+        let [al, am, ar] = rows.acceleration.joint(joint, inner);
+        let [jl, jm, jr] = rows.jerk.joint(joint, inner);
+        let mut beyond = 0_u64;
+        for k in 0..inner {
+            let a = al[k] * before[k] + am[k] * here[k] + ar[k] * after[k];
+            let j = (jl[k] * before[k] + jm[k] * here[k] + jr[k] * after[k]) * roots[k];
+            beyond += u64::from(!(a.abs() < 1.0 && j.abs() < 1.0));
+        }
+        beyond == 0
+    })
 }
 
-fn pairs(motion: &Motion, limits: &Limits, slower: &[f64]) -> Vec<Pair> {
+#[inline(always)]
+fn rows(motion: &Motion, limits: &Limits, slower: &[f64]) -> Rows {
     let (n, step) = (motion.joints, motion.step);
     let steps = motion.first.len() / n;
-    let mut pairs = Vec::with_capacity(n * steps);
-    for k in 1..steps {
-        let c = slower[k];
-        for j in 0..n {
+    let mut rows = Rows::default();
+    for j in 0..n {
+        let (acceleration, jerk) = (1.0 / limits.acceleration[j], 1.0 / limits.jerk[j]);
+        for k in 1..steps {
+            let c = slower[k];
             let (before, after) = ((k - 1) * n + j, k * n + j);
             let first = (motion.first[before] + motion.first[after]) / 2.0;
             let second = (motion.second[before] + motion.second[after]) / 2.0;
             let third = (motion.second[after] - motion.second[before]) / step;
-            let (a, i) = (c * c / limits.acceleration[j], c * c * c / limits.jerk[j]);
+            let (a, i) = (c * c * acceleration, c * c * c * jerk);
             let slope = first / (4.0 * step);
             let (tilt, bend) = (0.75 * second / step, 0.5 * first / (step * step));
-            pairs.push(Pair {
-                acceleration: Linear { left: -slope * a, middle: second * a, right: slope * a },
-                jerk: Linear { left: (bend - tilt) * i, middle: (third - 2.0 * bend) * i, right: (bend + tilt) * i },
-            });
+            rows.acceleration.push(-slope * a, second * a, slope * a);
+            rows.jerk.push((bend - tilt) * i, (third - 2.0 * bend) * i, (bend + tilt) * i);
         }
     }
-    pairs
+    rows
 }
 
 /// The largest x at each node: by velocity, and at both ends by jerk.
@@ -228,6 +276,7 @@ fn caps(motion: &Motion, limits: &Limits, bounds: &Bounds) -> Vec<f64> {
 
 /// Solves a symmetric positive definite system of five diagonals; `rows[k]` holds the entries
 /// (k,k), (k,k+1), (k,k+2). Leaves the solution in `values`.
+#[inline(always)]
 fn solve(rows: &mut [[f64; 3]], values: &mut [f64]) {
     let n = rows.len();
     for k in 0..n {
