@@ -117,7 +117,7 @@ impl Push {
 }
 
 /// By how much the barrier's weight falls with each step.
-const LESS: f64 = 0.5;
+const LESS: f64 = 0.3;
 
 /// What a change of a change of pace costs beside the time: keeps x from jumping where a motion is so
 /// slow, near its ends, that no joint's limit would notice.

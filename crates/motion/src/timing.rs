@@ -56,6 +56,8 @@ fn append(timed: &mut Timed, more: Timed) {
 
 /// A slowdown of less is not worth looking for anything better.
 const GOOD: f64 = 1.002;
+/// A slowdown of less is not worth another round.
+const CLOSE: f64 = 1.01;
 
 fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Timed {
     let acceleration = useful_acceleration(curve, part.clone(), limits);
@@ -77,7 +79,7 @@ fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Ti
         let x = pace::fastest(&motion(&spline, curve, &part), limits, &bounds, weights);
         let paced = Paced::new(spline, x);
         let found = maker.sample(maker.count(paced.duration()), &paced);
-        let good = found.slowdown() < 2.0 * GOOD - 1.0;
+        let good = found.slowdown() < CLOSE;
         learn(&mut bounds, &found.excess, &paced);
         spline = Spline::new(steps, &paced);
         if best.as_ref().is_none_or(|b| found.slowed_duration() < b.1.slowed_duration()) {
