@@ -31,4 +31,4 @@ pub use probe::{Probe, Slack};
 pub use query::{Scratch, Touch};
 pub use quick::Quick;
 pub use report::Contact;
-pub use world::World;
+pub use world::{RESTS_WITHIN, World};

@@ -5,7 +5,7 @@
 
 use crate::lanes::{Around, Kernel, LANES, Lanes, Obstacles, Piece, Scratch, Suspects, Upright};
 use crate::moment::{Held, Moment};
-use crate::obstacle::PlacedPart;
+use crate::obstacle::Obstacle;
 use crate::world::World;
 use clearway_geometry::{Pose, Solid};
 use clearway_plan::ObjectId;
@@ -25,11 +25,17 @@ macro_rules! around {
     };
 }
 
+/// An obstacle's parts, as the kernel takes them.
+pub(crate) fn pieces(obstacle: &Obstacle, owner: usize) -> Vec<Piece> {
+    let solid = Solid { parts: obstacle.parts.iter().map(|p| (p.root_from_part, p.convex.clone())).collect() };
+    Piece::of_solid(&solid, &Pose::IDENTITY, owner as u32).collect()
+}
+
 /// The world at one moment. Cheap to make: a microsecond per shape. What is held is left out where it
 /// brings no kernel of its own.
 pub struct Quick {
     kernel: Arc<Kernel>,
-    obstacles: Obstacles,
+    obstacles: Arc<Obstacles>,
     standing: Vec<u16>,
     margin: f32,
     hand: f32,
@@ -50,19 +56,18 @@ impl Quick {
     }
 
     fn of(world: &World, moment: &Moment, held: Option<(&Held, &Arc<Kernel>)>) -> Self {
-        let mut pieces: Vec<Piece> = Vec::new();
-        let mut add = |parts: &[PlacedPart], owner: usize| {
-            let solid = Solid { parts: parts.iter().map(|p| (p.root_from_part, p.convex.clone())).collect() };
-            pieces.extend(Piece::of_solid(&solid, &Pose::IDENTITY, owner as u32));
+        let (fixtures, placed) = (world.fixtures.len(), world.fixtures.len() + world.objects.len());
+        let obstacles = if moment.placed.is_empty() {
+            world.obstacles.clone()
+        } else {
+            let mut obstacles = Obstacles::clone(&world.obstacles);
+            let put = moment.placed.iter().enumerate();
+            obstacles.add(put.flat_map(|(i, (_, o))| pieces(o, placed + i)).collect());
+            Arc::new(obstacles)
         };
-        let fixtures = world.fixtures.len();
-        world.fixtures.iter().enumerate().for_each(|(i, f)| add(&f.parts, i));
-        let placed = fixtures + world.objects.len();
-        moment.standing.iter().for_each(|id| add(&world.objects[id.index()].parts, fixtures + id.index()));
-        moment.placed.iter().enumerate().for_each(|(i, (_, o))| add(&o.parts, placed + i));
-        let obstacles = Obstacles::new(pieces);
         let mut standing = Vec::new();
-        obstacles.mask(|_| true, &mut standing);
+        let stands = |id: usize| moment.standing.contains(ObjectId(id as u16));
+        obstacles.mask(|owner| !(fixtures..placed).contains(&(owner as usize)) || stands(owner as usize - fixtures), &mut standing);
         let kernel = held.map_or(&world.model.kernel, |(_, kernel)| kernel).clone();
         let upright = moment.lean.map(|lean| {
             let seat = kernel.body.chain.seats[world.model.kinematics.tool];

@@ -1,8 +1,9 @@
 //! The robot, the fixtures and the objects, made ready for collision checks.
 
-use crate::lanes::Relative;
+use crate::lanes::{Obstacles, Relative};
 use crate::model::{CollisionModel, TAGS_PER_LINK};
 use crate::obstacle::{MovingPart, Obstacle};
+use crate::quick::pieces;
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
 use clearway_plan::{ObjectId, ObjectSet};
 use clearway_robot::Robot;
@@ -28,7 +29,14 @@ pub struct World {
     pub poses: Vec<Pose>,
     /// By link: fixtures that it never touches, whatever the posture.
     pub apart: Vec<Vec<usize>>,
+    /// By object id: what carries it where the scene has it.
+    pub carriers: Vec<(Vec<usize>, ObjectSet)>,
+    /// Fixtures, then objects where the scene has them, for the kernel.
+    pub(crate) obstacles: Arc<Obstacles>,
 }
+
+/// What an object touches from this near may carry it, metres.
+pub const RESTS_WITHIN: f64 = 0.002;
 
 /// Links moved by no more joints than this are checked for fixtures that they never touch …
 const MOVED_BY_FEW: u32 = 2;
@@ -63,6 +71,8 @@ impl World {
             loads: Vec::new(),
             poses: Vec::new(),
             apart: Vec::new(),
+            carriers: Vec::new(),
+            obstacles: Arc::default(),
         };
         world.set_scene(scene);
         world
@@ -91,6 +101,10 @@ impl World {
             }
         }
         self.poses = scene.objects.iter().map(|o| self.root_from_world * o.pose).collect();
+        let ids = (0..self.objects.len()).map(|i| ObjectId(i as u16));
+        self.carriers = ids.map(|id| self.below(id, &self.poses[id.index()], RESTS_WITHIN)).collect();
+        let all = self.fixtures.iter().chain(&self.objects).enumerate();
+        self.obstacles = Arc::new(Obstacles::new(all.flat_map(|(i, o)| pieces(o, i)).collect()));
     }
 
     /// The fixtures that keep clear of a link in all postures, by proof.
@@ -114,8 +128,10 @@ impl World {
     /// it touches there, but no longer when raised by a little.
     pub fn below(&self, object: ObjectId, root_from_object: &Pose, margin: f64) -> (Vec<usize>, ObjectSet) {
         let raised = Pose::new(root_from_object.rotation, root_from_object.translation + self.up() * (2.0 * margin + 0.001));
+        let bound = self.objects[object.index()].bound.radius + raised.translation.distance(root_from_object.translation);
+        let centre = root_from_object.point(self.poses[object.index()].inverse_point(self.objects[object.index()].bound.centre));
         let touches = |other: &Obstacle, pose: &Pose| {
-            self.solids[object.index()].parts.iter().any(|(part, convex)| {
+            other.near_bound(centre, bound, margin) && self.solids[object.index()].parts.iter().any(|(part, convex)| {
                 other.parts.iter().any(|p| p.near_convex(convex, &(*pose * *part), margin))
             })
         };

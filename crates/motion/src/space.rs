@@ -182,13 +182,27 @@ impl<'a> Space<'a> {
 
     /// Everything movable that a path touches; `None` when it touches something fixed.
     pub fn path_touched(&mut self, path: &[Posture]) -> Option<ObjectSet> {
-        let mut all = ObjectSet::EMPTY;
+        let mut postures: Vec<Posture> = Vec::new();
         for w in path.windows(2) {
             let count = (self.sweep(&w[0], &w[1]) / self.step).ceil().max(1.0) as usize;
-            for i in 0..=count {
-                let t = i as f64 / count as f64;
-                let q: Posture = w[0].iter().zip(&w[1]).map(|(a, b)| a + (b - a) * t).collect();
-                match self.touched(&q) {
+            let part = |i: usize| i as f64 / count as f64;
+            postures.extend((0..=count).map(|i| w[0].iter().zip(&w[1]).map(|(a, b)| a + (b - a) * part(i)).collect()));
+        }
+        let mut all = ObjectSet::EMPTY;
+        for some in postures.chunks(LANES) {
+            if let Some(quick) = &mut self.quick {
+                quick.suspects(some, &mut self.suspects);
+                // Nothing new, and nothing fixed, for all that spheres tell.
+                if self.suspects.is_empty() {
+                    continue;
+                }
+            }
+            for (lane, q) in some.iter().enumerate() {
+                let asked = self.suspects.obstacles.iter().chain(&self.suspects.pairs).any(|s| s.lanes >> lane & 1 == 1);
+                if self.quick.is_some() && !asked {
+                    continue;
+                }
+                match self.touched(q) {
                     Touch::Fixed => return None,
                     Touch::Objects(set) => all = all.union(set),
                 }

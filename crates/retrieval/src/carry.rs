@@ -8,7 +8,7 @@
 use crate::grasps::Grasp;
 use crate::place;
 use crate::ways::Way;
-use clearway_collision::{Held, Lean, Moment, Obstacle, World};
+use clearway_collision::{Held, Lean, Moment, Obstacle, RESTS_WITHIN, World};
 use clearway_geometry::{Mat3, Pose, Vec2, Vec3};
 use clearway_motion::{
     Limits, NearEnds, Path, Posture, RrtSettings, SimplifySettings, Space, Surely, Timed, Trees, connect,
@@ -165,8 +165,7 @@ impl<R: Rng> Carrier<'_, R> {
         let mut carrying = Moment::new(before.standing.difference(ObjectSet::of(object)), grasp.closed, self.settings.margin);
         carrying.placed = before.placed.clone();
         let placement = attempt!(self.place(object, grasp, &entry, &carrying));
-        let root_from_object = world.poses[object.index()];
-        let (fixtures, objects) = world.below(object, &root_from_object, 0.002);
+        let (fixtures, objects) = world.carriers[object.index()].clone();
         let mut held = placement.held.clone();
         held.fixtures_below.extend(fixtures);
         held.objects_below = held.objects_below.union(objects);
@@ -221,7 +220,7 @@ impl<R: Rng> Carrier<'_, R> {
         let Some(path) = self.connect(&mut space, start, goals, &[], self.settings.rrt.iterations)? else {
             return obstructed(what, ObjectSet::EMPTY);
         };
-        let blamed = Space::new(self.world, &near, self.settings.step).path_touched(&path).unwrap_or_default();
+        let blamed = Space::quick(self.world, &near, self.settings.step).path_touched(&path).unwrap_or_default();
         obstructed(what, blamed)
     }
 
@@ -275,7 +274,7 @@ impl<R: Rng> Carrier<'_, R> {
                 return Ok(Ok(timed));
             }
         }
-        let blamed = Space::new(self.world, &lenient, self.settings.final_step).path_touched(&timed.positions).unwrap_or_default();
+        let blamed = resting.path_touched(&timed.positions).unwrap_or_default();
         obstructed(what, blamed)
     }
 
@@ -388,7 +387,7 @@ impl<R: Rng> Carrier<'_, R> {
         if branches.is_empty() {
             return None;
         }
-        let (fixtures_below, objects_below) = world.below(object, &pose, 0.002);
+        let (fixtures_below, objects_below) = world.below(object, &pose, RESTS_WITHIN);
         let mut held = Held {
             object,
             parts: world.carried[object.index()].clone(),

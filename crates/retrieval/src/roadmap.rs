@@ -6,6 +6,7 @@
 use crate::floor::Floor;
 use crate::graph::Cluster;
 use clearway_geometry::Vec2;
+use clearway_plan::scene_file::Rect;
 use clearway_plan::{Budget, ObjectSet, Stop};
 use rand::{Rng, RngExt};
 use std::cmp::Reverse;
@@ -47,6 +48,9 @@ impl Settings {
     }
 }
 
+/// Cells in which nodes are looked up, metres.
+const CELL: f64 = 0.1;
+
 /// A node x with Col(x).
 #[derive(Clone, Copy, Debug)]
 pub struct Node {
@@ -64,48 +68,80 @@ pub struct Roadmap {
     places: Places,
 }
 
-/// Where the nodes are, in columns: what every sample scans.
+/// Where the nodes are, by the cells of a grid; what lies outside of it counts to its border.
 #[derive(Clone, Debug, Default)]
 struct Places {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    /// |Col(x)|
-    collisions: Vec<f64>,
-    /// Squared distances of the last scan.
-    distances: Vec<f64>,
+    min: Vec2,
+    /// Width of a cell, metres.
+    cell: f64,
+    /// Cells in a row, and rows.
+    count: [i64; 2],
+    /// By cell: nodes with their places and |Col(x)|.
+    cells: Vec<Vec<(Vec2, usize, usize)>>,
 }
 
 impl Places {
-    fn push(&mut self, node: &Node) {
-        self.x.push(node.at.x);
-        self.y.push(node.at.y);
-        self.collisions.push(node.collisions.len() as f64);
+    /// For nodes in an area, asked for neighbours as far as `reach`.
+    fn new(area: &Rect, reach: f64) -> Self {
+        const MOST: f64 = 100.0;
+        let (min, size) = (Vec2::from_array(area.min), Vec2::from_array(area.max) - Vec2::from_array(area.min));
+        let cell = reach.max(size.max_element() / MOST).max(1e-3);
+        let count = (size / cell).ceil().max(Vec2::ONE);
+        let count = [count.x as i64, count.y as i64];
+        Self { min, cell, count, cells: vec![Vec::new(); (count[0] * count[1]) as usize] }
+    }
+
+    fn cell_of(&self, at: Vec2) -> [i64; 2] {
+        let place = (at - self.min) / self.cell;
+        [(place.x as i64).clamp(0, self.count[0] - 1), (place.y as i64).clamp(0, self.count[1] - 1)]
+    }
+
+    fn cell(&self, x: i64, y: i64) -> &[(Vec2, usize, usize)] {
+        let inside = (0..self.count[0]).contains(&x) && (0..self.count[1]).contains(&y);
+        if inside { &self.cells[(y * self.count[0] + x) as usize] } else { &[] }
+    }
+
+    fn push(&mut self, index: usize, node: &Node) {
+        let [x, y] = self.cell_of(node.at);
+        self.cells[(y * self.count[0] + x) as usize].push((node.at, index, node.collisions.len()));
     }
 
     /// The node nearest to a point, of those that collide with at most `limit` objects; the first of
     /// equals.
-    fn nearest(&mut self, to: Vec2, limit: usize) -> Option<usize> {
-        let limit = limit as f64;
-        self.distances.clear();
-        let columns = self.x.iter().zip(&self.y).zip(&self.collisions);
-        self.distances.extend(columns.map(|((x, y), c)| {
-            let (dx, dy) = (x - to.x, y - to.y);
-            if *c <= limit { dx * dx + dy * dy } else { f64::INFINITY }
-        }));
-        let least = self.distances.iter().copied().fold(f64::INFINITY, |a, b| if b < a { b } else { a });
-        if least == f64::INFINITY { None } else { self.distances.iter().position(|d| *d == least) }
+    fn nearest(&self, to: Vec2, limit: usize) -> Option<usize> {
+        let [x, y] = self.cell_of(to);
+        let mut best: Option<(f64, usize)> = None;
+        // Ring by ring: nothing in ring r is nearer than r − 1 cells.
+        for ring in 0..self.count[0].max(self.count[1]) {
+            if best.is_some_and(|(d, _)| d < ((ring - 1).max(0) as f64 * self.cell).powi(2)) {
+                break;
+            }
+            for j in y - ring..=y + ring {
+                let step = if (j - y).abs() == ring { 1 } else { (2 * ring).max(1) };
+                for i in (x - ring..=x + ring).step_by(step as usize) {
+                    for &(at, index, collisions) in self.cell(i, j) {
+                        let found = (at.distance_squared(to), index);
+                        if collisions <= limit && best.is_none_or(|b| found < b) {
+                            best = Some(found);
+                        }
+                    }
+                }
+            }
+        }
+        best.map(|(_, index)| index)
     }
 
     /// The nodes within a distance of a point, with their squared distances.
-    fn within(&mut self, to: Vec2, most: f64) -> Vec<(f64, usize)> {
-        self.distances.clear();
-        self.distances.extend(self.x.iter().zip(&self.y).map(|(x, y)| {
-            let (dx, dy) = (x - to.x, y - to.y);
-            dx * dx + dy * dy
-        }));
-        let near = |(i, d): (usize, &f64)| (d.sqrt() <= most).then_some((*d, i));
-        let rough = most * most * (1.0 + 1e-9);
-        self.distances.iter().enumerate().filter(|(_, d)| **d <= rough).filter_map(near).collect()
+    fn within(&self, to: Vec2, most: f64) -> Vec<(f64, usize)> {
+        let ([x, y], [right, above]) = (self.cell_of(to - most), self.cell_of(to + most));
+        let mut found = Vec::new();
+        for j in y..=above {
+            for i in x..=right {
+                let near = |&(at, index, _): &(Vec2, usize, usize)| (at.distance_squared(to), index);
+                found.extend(self.cell(i, j).iter().map(near).filter(|(d, _)| d.sqrt() <= most));
+            }
+        }
+        found
     }
 }
 
@@ -113,8 +149,8 @@ impl Roadmap {
     pub fn new(floor: &Floor) -> Self {
         let node = |at: Vec2| Node { at, collisions: floor.collisions(at) };
         let nodes = vec![node(floor.exit), node(floor.goal)];
-        let mut places = Places::default();
-        nodes.iter().for_each(|node| places.push(node));
+        let mut places = Places::new(&floor.workspace, CELL);
+        nodes.iter().enumerate().for_each(|(index, node)| places.push(index, node));
         Self { nodes, edges: Vec::new(), samples: 0, places }
     }
 
@@ -172,7 +208,7 @@ impl Roadmap {
         let mut near = self.places.within(at, settings.longest_edge * (1.0 + 1e-9));
         near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         near.truncate(settings.neighbours);
-        self.places.push(&new);
+        self.places.push(index, &new);
         self.nodes.push(new);
         for (_, i) in near {
             let other = self.nodes[i];

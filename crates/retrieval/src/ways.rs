@@ -324,7 +324,7 @@ impl Explorer<'_> {
     /// The hand open and the object in it: what is touched then is in the way of coming or going.
     fn moment(&self, object: ObjectId, grasp: &Grasp) -> Moment {
         let world = self.world;
-        let (fixtures_below, objects_below) = world.below(object, &world.poses[object.index()], self.settings.margin);
+        let (fixtures_below, objects_below) = world.carriers[object.index()].clone();
         let mut moment = Moment::new(self.all.difference(ObjectSet::of(object)), world.robot.hand.open(), self.settings.margin);
         moment.held_margin = self.settings.held_margin;
         moment.held = Some(Held {

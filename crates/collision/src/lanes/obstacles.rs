@@ -44,6 +44,8 @@ pub struct Obstacles {
     pub(super) shapes: Vec<Shape>,
     owners: Vec<u32>,
     groups: Vec<Group>,
+    /// By group: the box that holds it.
+    boxes: Vec<(Vec3, Vec3)>,
     /// Boxes of sixteen groups each.
     tops: Vec<Group>,
 }
@@ -82,31 +84,33 @@ impl Piece {
 }
 
 impl Obstacles {
-    pub fn new(mut pieces: Vec<Piece>) -> Self {
+    pub fn new(pieces: Vec<Piece>) -> Self {
+        let mut obstacles = Self::default();
+        obstacles.add(pieces);
+        obstacles
+    }
+
+    /// Adds more, in groups of their own.
+    pub fn add(&mut self, mut pieces: Vec<Piece>) {
         let mut groups = Vec::new();
-        let mut tops = Vec::new();
         split(&mut pieces, &|p| (p.min + p.max) / 2.0, &mut |part| {
             groups.push((part.iter().map(|p| (p.min, p.max)).collect::<Vec<_>>(), part.len()));
         });
         // Every group but the last of a split may hold fewer than sixteen; slots are padded.
-        let mut shapes = Vec::new();
-        let mut owners = Vec::new();
         let mut from = pieces.into_iter();
         for (_, count) in &groups {
             for lane in 0..LANES {
                 let piece = if lane < *count { from.next() } else { None };
-                owners.push(piece.as_ref().map_or(u32::MAX, |p| p.owner));
-                shapes.push(piece.map_or(Shape::Sphere { centre: [0.0; 3], radius: 0.0 }, |p| p.shape));
+                self.owners.push(piece.as_ref().map_or(u32::MAX, |p| p.owner));
+                self.shapes.push(piece.map_or(Shape::Sphere { centre: [0.0; 3], radius: 0.0 }, |p| p.shape));
             }
         }
         let hold = |boxes: &[(Vec3, Vec3)]| {
             boxes.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), (min, max)| (a.min(*min), b.max(*max)))
         };
-        let boxes: Vec<Vec<(Vec3, Vec3)>> = groups.into_iter().map(|(b, _)| b).collect();
-        for sixteen in boxes.chunks(LANES) {
-            tops.push(Group::of(&sixteen.iter().map(|b| hold(b)).collect::<Vec<_>>()));
-        }
-        Self { shapes, owners, groups: boxes.iter().map(|b| Group::of(b)).collect(), tops }
+        self.groups.extend(groups.iter().map(|(b, _)| Group::of(b)));
+        self.boxes.extend(groups.iter().map(|(b, _)| hold(b)));
+        self.tops = self.boxes.chunks(LANES).map(Group::of).collect();
     }
 
     /// Slots, among them those that are not used.
