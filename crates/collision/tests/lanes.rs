@@ -6,6 +6,7 @@ use clearway_collision::lanes::exact::{Contact, contact, unchecked_pairs};
 use clearway_collision::lanes::{
     Around, Body, Kernel, LANES, Lanes, Obstacles, Piece, Settings, Suspects, levels,
 };
+use clearway_geometry::distance::closer_than;
 use clearway_geometry::hull::convex_hull;
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
 use clearway_robot::{Group, Robot, Sphere, cover_link};
@@ -210,6 +211,45 @@ fn suspects_hold_all_that_touches() {
 }
 
 #[test]
+fn what_touches_without_doubt_touches_in_the_exact_shapes() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(29);
+    let (mut sure, mut suspected) = (0, 0);
+    for case in cases() {
+        let kernel = Kernel::new(case.body.clone());
+        let mut scratch = kernel.scratch();
+        for _ in 0..60 {
+            let shapes = obstacles(&mut random);
+            let (indexed, standing) = index(&shapes);
+            let configurations: Vec<Vec<f64>> = (0..LANES).map(|_| posture(&case, &mut random)).collect();
+            let mut suspects = Suspects::default();
+            kernel.configurations_suspects(&configurations, &around(&case, &indexed, &standing), &mut scratch, &mut suspects);
+            for (lane, q) in configurations.iter().enumerate() {
+                let mut frames = Vec::new();
+                case.group.kinematics.frames(q, case.group.hand[0], &mut frames);
+                let parts = |link: usize| {
+                    let frame = frames[link];
+                    case.group.links[link].collision.parts.iter().map(move |(pose, c)| (frame * *pose, c))
+                };
+                for s in suspects.obstacles.iter().filter(|s| s.sure >> lane & 1 == 1) {
+                    assert!(s.lanes >> lane & 1 == 1);
+                    let (pose, convex) = &shapes[s.other];
+                    assert!(parts(s.link).any(|(p, c)| closer_than(c, &p, convex, pose, 0.0)), "{s:?} at {q:?}");
+                    sure += 1;
+                }
+                for s in suspects.pairs.iter().filter(|s| s.sure >> lane & 1 == 1) {
+                    let touch = parts(s.link).any(|(p, c)| parts(s.other).any(|(o, d)| closer_than(c, &p, d, &o, 0.0)));
+                    assert!(touch, "{s:?} at {q:?}");
+                    sure += 1;
+                }
+            }
+            let all = suspects.obstacles.iter().chain(&suspects.pairs);
+            suspected += all.map(|s| s.lanes.count_ones()).sum::<u32>();
+        }
+    }
+    assert!(sure > 200 && suspected > sure + 100, "{sure} of {suspected}");
+}
+
+#[test]
 fn what_is_removed_is_gone_without_rebuilding() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
     for case in cases() {
@@ -230,6 +270,33 @@ fn what_is_removed_is_gone_without_rebuilding() {
             assert_eq!(masked, built);
         }
     }
+}
+
+#[test]
+fn what_is_added_later_counts_like_the_rest() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(37);
+    let case = &cases()[0];
+    let kernel = Kernel::new(case.body.clone());
+    let mut scratch = kernel.scratch();
+    let (mut free, mut hit) = (0, 0);
+    for _ in 0..60 {
+        let shapes: Vec<(Pose, Convex)> = (0..4).flat_map(|_| obstacles(&mut random)).collect();
+        let (whole, all) = index(&shapes);
+        let (mut grown, mut standing) = index(&shapes[..7]);
+        for (i, (pose, convex)) in shapes.iter().enumerate().skip(7) {
+            grown.add(Piece::of_solid(&Solid::new(convex.clone()), pose, i as u32).collect());
+        }
+        grown.mask(|_| true, &mut standing);
+        for _ in 0..20 {
+            let a = posture(case, &mut random);
+            let b = near(&a, 0.5, &mut random);
+            let one = kernel.motion_free(&a, &b, 32.0, &around(case, &whole, &all), &mut scratch);
+            let other = kernel.motion_free(&a, &b, 32.0, &around(case, &grown, &standing), &mut scratch);
+            assert_eq!(one, other);
+            if one { free += 1 } else { hit += 1 }
+        }
+    }
+    assert!(free > 20 && hit > 20, "{free} free, {hit} hit");
 }
 
 #[test]

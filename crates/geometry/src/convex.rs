@@ -59,19 +59,6 @@ impl Convex {
         }
     }
 
-    /// How deep a point lies inside: a ball of this radius about it is part of the shape. Negative
-    /// outside.
-    pub fn depth(&self, p: DVec3) -> f64 {
-        let side = p.truncate().length();
-        match self {
-            Convex::Sphere { radius } => radius - p.length(),
-            Convex::Capsule { radius, half } => radius - side.hypot((p.z.abs() - half).max(0.0)),
-            Convex::Cylinder { radius, half } => (radius - side).min(half - p.z.abs()),
-            Convex::Box { half } => (*half - p.abs()).min_element(),
-            Convex::Hull(hull) => hull.planes.iter().map(|(n, d)| d - n.dot(p)).fold(f64::INFINITY, f64::min),
-        }
-    }
-
     /// A sphere about the own frame's origin that holds the shape: its radius.
     pub fn bounding_radius(&self) -> f64 {
         match self {
@@ -115,9 +102,10 @@ impl Solid {
         best
     }
 
-    /// How deep a point lies inside one of the parts; negative outside of all.
+    /// How deep a point lies inside one of the parts: a ball of this radius about it is part of the
+    /// solid. Negative outside of all.
     pub fn depth(&self, p: DVec3) -> f64 {
-        self.parts.iter().map(|(pose, convex)| convex.depth(pose.inverse_point(p))).fold(f64::NEG_INFINITY, f64::max)
+        self.parts.iter().map(|(pose, convex)| -convex.point_distance(pose.inverse_point(p))).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The axis-aligned box `(min, max)` that holds the solid placed at `world_from_solid`.

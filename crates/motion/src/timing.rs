@@ -57,7 +57,7 @@ fn append(timed: &mut Timed, more: Timed) {
 /// A slowdown of less is not worth looking for anything better.
 const GOOD: f64 = 1.002;
 /// A slowdown of less is not worth another round.
-const CLOSE: f64 = 1.01;
+const CLOSE: f64 = 1.005;
 
 fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Timed {
     let acceleration = useful_acceleration(curve, part.clone(), limits);

@@ -479,6 +479,17 @@ mod tests {
     }
 
     #[test]
+    fn ways_found_later_count_where_no_others_were_left() {
+        let mut graph = figure_5();
+        graph.add_failure(ObjectId(4), set(&[8]), &[], true);
+        assert_eq!(ids(&graph.best_sequence(10, Search::Exact).unwrap()), [1, 2, 6, TARGET]);
+        assert_eq!(graph.complete(), [ObjectId(4)]);
+        graph.add_ways(ObjectId(4), &[set(&[5])]);
+        // Of two sequences of one size the nearer.
+        assert_eq!(ids(&graph.best_sequence(10, Search::Exact).unwrap()), [8, 5, 4, TARGET]);
+    }
+
+    #[test]
     fn direct_ways_need_no_roadmap() {
         let mut graph = figure_5();
         graph.add_direct(&[set(&[7])]);

@@ -207,6 +207,9 @@ impl Planner {
             Outcome::Impossible => (Status::Impossible, None, None),
             Outcome::Stopped(stop) => (Status::OutOfBudget, Some(stop), None),
         };
+        if status != Status::Solved {
+            self.look_at_all();
+        }
         let view = trace::View {
             scene: &self.scene,
             world: &self.world,
@@ -275,6 +278,18 @@ impl Planner {
             self.partial_ways = true;
             self.graph.forget();
             limit = 1;
+        }
+    }
+
+    /// Looks into all ways of the objects that came up: whoever is told that there is no plan wants to
+    /// know what stands in the way.
+    fn look_at_all(&mut self) {
+        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways);
+        for (index, ways) in self.ways.iter_mut().enumerate() {
+            let Some(ways) = ways else { continue };
+            let object = ObjectId(index as u16);
+            // Without a limit nothing stops it.
+            let _ = explorer.minimal_sets(object, ways, ObjectSet::CAPACITY, &mut self.scratch, &Budget::unlimited());
         }
     }
 

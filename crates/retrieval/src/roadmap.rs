@@ -336,3 +336,35 @@ impl Roadmap {
 fn nanometres(length: f64) -> u64 {
     (length * 1e9) as u64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    #[test]
+    fn cells_find_what_a_scan_finds() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
+        let area = Rect { min: [-0.4, 0.3], max: [0.5, 0.75] };
+        let mut places = Places::new(&area, CELL);
+        let mut nodes: Vec<Node> = Vec::new();
+        for round in 0..600 {
+            // Some lie outside of the area, as x_s may.
+            let mut at = || Vec2::new(1.4 * random.random::<f64>() - 0.7, random.random::<f64>());
+            let (node, to) = (at(), at());
+            let collisions = ObjectSet::first(round % 4);
+            places.push(nodes.len(), &Node { at: node, collisions });
+            nodes.push(Node { at: node, collisions });
+            let squared = |i: &usize| nodes[*i].at.distance_squared(to);
+            for limit in 0..4 {
+                let scan = (0..nodes.len()).filter(|&i| nodes[i].collisions.len() <= limit).min_by(|a, b| squared(a).total_cmp(&squared(b)));
+                assert_eq!(places.nearest(to, limit), scan);
+            }
+            let mut found: Vec<usize> = places.within(to, 0.12).into_iter().map(|(_, i)| i).collect();
+            found.sort_unstable();
+            let scan: Vec<usize> = (0..nodes.len()).filter(|i| squared(i).sqrt() <= 0.12).collect();
+            assert_eq!(found, scan);
+        }
+    }
+}

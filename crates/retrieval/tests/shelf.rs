@@ -1,14 +1,16 @@
 //! The planner's parts against brute force on the example shelf.
 #![allow(clippy::unwrap_used)]
 
+use clearway_collision::{CollisionModel, Scratch, World};
 use clearway_geometry::Vec2;
 use clearway_plan::event::Silent;
 use clearway_plan::plan_file::{SegmentKind, Status};
 use clearway_plan::{Budget, ObjectId, ObjectSet};
 use clearway_retrieval::floor::Floor;
 use clearway_retrieval::roadmap::{self, Roadmap};
+use clearway_retrieval::ways::{self, Explorer};
 use clearway_retrieval::{FirstLimit, Planner, Request, SceneDelta, Settings};
-use clearway_robot::Robot;
+use clearway_robot::{InverseKinematics, Robot};
 use clearway_scene::Scene;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -137,4 +139,34 @@ fn a_spent_budget_says_what_stood_in_the_way() {
     assert_eq!(answer.plan.status, Status::OutOfBudget);
     let why = answer.plan.why.objects.iter().find(|o| o.object == target).unwrap();
     assert!(!why.blocked_by.is_empty() && !why.grasps.is_empty());
+}
+
+#[test]
+fn ways_looked_into_up_to_a_limit_are_those_of_all_within_it() {
+    let (scene, robot) = shelf();
+    let world = World::new(Arc::new(CollisionModel::new(robot.clone())), &scene);
+    let inverse = InverseKinematics::new(&robot, &world.model.kinematics);
+    let floor = Floor::new(&scene, &robot);
+    let settings = ways::Settings::default();
+    let all = ObjectSet::first(scene.objects.len());
+    let explorer = Explorer { world: &world, inverse: &inverse, floor: &floor, settings: &settings, all, partial: false };
+    let (mut scratch, budget) = (Scratch::default(), Budget::unlimited());
+    let mut some = 0;
+    for object in all.iter() {
+        let explored = explorer.explore(object, &budget).unwrap();
+        let mut whole = explored.clone();
+        let sets = explorer.minimal_sets(object, &mut whole, ObjectSet::CAPACITY, &mut scratch, &budget).unwrap();
+        // One limit after the other, as a search raises it.
+        let mut raised = explored;
+        for most in 0..6 {
+            let found = explorer.minimal_sets(object, &mut raised, most, &mut scratch, &budget).unwrap();
+            let within: Vec<ObjectSet> = sets.iter().copied().filter(|s| s.len() <= most).collect();
+            let (mut a, mut b) = (found.clone(), within.clone());
+            a.sort();
+            b.sort();
+            assert_eq!(a, b, "{object:?} up to {most}");
+            some += found.len();
+        }
+    }
+    assert!(some > 30, "{some}");
 }
