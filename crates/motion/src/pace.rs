@@ -117,7 +117,7 @@ impl Push {
 }
 
 /// By how much the barrier's weight falls with each step.
-const LESS: f64 = 0.3;
+const LESS: f64 = 0.4;
 
 /// What a change of a change of pace costs beside the time: keeps x from jumping where a motion is so
 /// slow, near its ends, that no joint's limit would notice.
@@ -216,7 +216,8 @@ fn within(x: &[f64], before: &[f64], caps: &[f64], rows: &Rows, joints: usize, r
         *root = x.sqrt();
     }
     let (before, here, after) = (&x[..inner], &x[1..][..inner], &x[2..][..inner]);
-    (0..joints).all(|joint| {
+    // Loops, not closures: those would not be compiled for what the machine has.
+    for joint in 0..joints {
         let [al, am, ar] = rows.acceleration.joint(joint, inner);
         let [jl, jm, jr] = rows.jerk.joint(joint, inner);
         let mut beyond = 0_u64;
@@ -225,8 +226,11 @@ fn within(x: &[f64], before: &[f64], caps: &[f64], rows: &Rows, joints: usize, r
             let j = (jl[k] * before[k] + jm[k] * here[k] + jr[k] * after[k]) * roots[k];
             beyond += u64::from(!(a.abs() < 1.0 && j.abs() < 1.0));
         }
-        beyond == 0
-    })
+        if beyond > 0 {
+            return false;
+        }
+    }
+    true
 }
 
 #[inline(always)]
@@ -281,7 +285,8 @@ fn solve(rows: &mut [[f64; 3]], values: &mut [f64]) {
     let n = rows.len();
     for k in 0..n {
         let [d, e, f] = rows[k];
-        let (l1, l2) = (e / d, f / d);
+        let part = 1.0 / d;
+        let (l1, l2) = (e * part, f * part);
         if k + 1 < n {
             rows[k + 1][0] -= l1 * e;
             rows[k + 1][1] -= l1 * f;
@@ -291,10 +296,10 @@ fn solve(rows: &mut [[f64; 3]], values: &mut [f64]) {
             rows[k + 2][0] -= l2 * f;
             values[k + 2] -= l2 * values[k];
         }
-        rows[k] = [d, l1, l2];
+        rows[k] = [part, l1, l2];
     }
     for k in (0..n).rev() {
-        values[k] /= rows[k][0];
+        values[k] *= rows[k][0];
         if k + 1 < n {
             values[k] -= rows[k][1] * values[k + 1];
         }
