@@ -1,4 +1,4 @@
-//! Whether motions are free of the few things that the kernel's spheres touch; see [`crate::Quick`].
+//! Whether motions are free of the few things that the kernel's spheres touch.
 //!
 //! Between two postures near each other a point of a link leaves the straight line between its
 //! places by at most (Σ|Δq|)(Σ|Δq| reach)/8, and along that line it is never farther from the nearer
@@ -8,12 +8,32 @@
 //! little, though every joint turns.
 
 use crate::directions::Directions;
-use crate::lanes::Suspects;
-use crate::moment::Moment;
 use crate::query::Scratch;
-use crate::suspects::Question;
-use crate::world::World;
 use clearway_geometry::Pose;
+use clearway_robot::Sphere;
+
+/// Who answers exactly: places a robot's bodies, and tells how near they come to things.
+pub(crate) trait Exact {
+    /// Two things that may touch.
+    type Question;
+
+    /// The links' frames.
+    fn place(&self, q: &[f64], frames: &mut Vec<Pose>);
+
+    /// Whether two things come closer than they should, by up to `more` metres.
+    fn near(&self, question: &Self::Question, frames: &[Pose], more: f64, directions: &mut Directions) -> bool;
+
+    /// The bodies that move, at most two.
+    fn bodies(&self, question: &Self::Question) -> (usize, Option<usize>);
+
+    fn frame(&self, body: usize, frames: &[Pose]) -> Pose;
+
+    /// A ball that holds a body, in its frame.
+    fn bound(&self, body: usize) -> Sphere;
+
+    /// How far joints could move any point of a body from one posture to another, each on its own.
+    fn swing(&self, body: usize, a: &[f64], b: &[f64]) -> f64;
+}
 
 /// What a question's bodies do between two postures.
 #[derive(Clone, Copy, Default)]
@@ -28,52 +48,52 @@ struct Moved {
 struct Stretch {
     from: Vec<f64>,
     to: Vec<f64>,
+    /// Of which questions, counted in masks.
+    group: usize,
     open: u64,
 }
 
 /// Questions settled at a time: the bits of a mask.
 const AT_ONCE: usize = 64;
 
-impl World {
-    /// Whether up to sixteen rows, and the straight lines between them, are free of `suspects`, which
-    /// were found for these rows. A stretch in which nothing moves farther than `step` (metres) is
-    /// taken to be free where its ends are.
-    pub fn rows_clear(&self, rows: &[Vec<f64>], moment: &Moment, suspects: &Suspects, step: f64, scratch: &mut Scratch) -> bool {
-        if suspects.any_sure() {
-            return false;
-        }
-        let questions: Vec<(Question, u16)> = self.questions(moment, suspects).collect();
-        if questions.is_empty() {
-            return true;
-        }
-        // Only rows beside one at which something is near are placed.
-        let lanes = questions.iter().fold(0_u32, |all, (_, lanes)| all | u32::from(*lanes));
-        let placed = lanes | lanes << 1 | lanes >> 1;
-        let mut frames: Vec<Vec<Pose>> = Vec::with_capacity(rows.len());
-        for (i, row) in rows.iter().enumerate() {
-            let mut own = Vec::new();
-            if placed >> i & 1 == 1 {
-                scratch.checked += 1;
-                self.model.kinematics.frames(row, moment.hand, &mut own);
-            }
-            frames.push(own);
-        }
-        let Scratch { directions, .. } = scratch;
-        let mut settled = Settling { world: self, moment, step, questions: &questions, directions, stretches: Vec::new() };
-        settled.rows(rows, &frames) && settled.stretches(&mut scratch.frames)
-    }
-}
-
-struct Settling<'a> {
-    world: &'a World,
-    moment: &'a Moment,
+/// Whether up to sixteen rows, and the straight lines between them, are free of what is asked: a
+/// question, and the rows in which it is open, as bits. A stretch in which nothing moves farther than
+/// `step` (metres) is taken to be free where its ends are.
+pub(crate) fn rows_clear<E: Exact>(
+    exact: &E,
+    questions: &[(E::Question, u16)],
+    rows: &[Vec<f64>],
     step: f64,
-    questions: &'a [(Question<'a>, u16)],
-    directions: &'a mut Directions,
-    stretches: Vec<(usize, Stretch)>,
+    scratch: &mut Scratch,
+) -> bool {
+    if questions.is_empty() {
+        return true;
+    }
+    // Only rows beside one at which something is near are placed.
+    let lanes = questions.iter().fold(0_u32, |all, (_, lanes)| all | u32::from(*lanes));
+    let placed = lanes | lanes << 1 | lanes >> 1;
+    let mut frames: Vec<Vec<Pose>> = Vec::with_capacity(rows.len());
+    for (i, row) in rows.iter().enumerate() {
+        let mut own = Vec::new();
+        if placed >> i & 1 == 1 {
+            scratch.checked += 1;
+            exact.place(row, &mut own);
+        }
+        frames.push(own);
+    }
+    let mut settling = Settling { exact, step, questions, directions: &mut scratch.directions, stretches: Vec::new() };
+    settling.rows(rows, &frames) && settling.stretches(&mut scratch.frames)
 }
 
-impl Settling<'_> {
+struct Settling<'a, E: Exact> {
+    exact: &'a E,
+    step: f64,
+    questions: &'a [(E::Question, u16)],
+    directions: &'a mut Directions,
+    stretches: Vec<Stretch>,
+}
+
+impl<E: Exact> Settling<'_, E> {
     /// Looks at the rows themselves; stretches that they do not settle are kept. False when
     /// something is touched.
     fn rows(&mut self, rows: &[Vec<f64>], frames: &[Vec<Pose>]) -> bool {
@@ -91,8 +111,8 @@ impl Settling<'_> {
                     if asked(i) {
                         let after_part = if i < last { part(i + 1) } else { 0.0 };
                         let room = (before.by * before_part + before.off).max(after.by * after_part + after.off);
-                        if question.near(self.world, self.moment, &frames[i], room, self.directions) {
-                            if question.near(self.world, self.moment, &frames[i], 0.0, self.directions) {
+                        if self.exact.near(question, &frames[i], room, self.directions) {
+                            if self.exact.near(question, &frames[i], 0.0, self.directions) {
                                 return false;
                             }
                             open[i.saturating_sub(1)] |= u64::from(i > 0) << bit;
@@ -103,7 +123,7 @@ impl Settling<'_> {
                 }
             }
             for (i, open) in open.into_iter().enumerate().filter(|(_, open)| *open != 0) {
-                self.stretches.push((group, Stretch { from: rows[i].clone(), to: rows[i + 1].clone(), open }));
+                self.stretches.push(Stretch { from: rows[i].clone(), to: rows[i + 1].clone(), group, open });
             }
         }
         true
@@ -112,12 +132,11 @@ impl Settling<'_> {
     /// Halves what is left until all of it is settled; false when something is touched.
     fn stretches(&mut self, frames: &mut Vec<Pose>) -> bool {
         let (mut from, mut to) = (Vec::new(), Vec::new());
-        while let Some((group, Stretch { from: a, to: b, open })) = self.stretches.pop() {
+        while let Some(Stretch { from: a, to: b, group, open }) = self.stretches.pop() {
             let middle: Vec<f64> = a.iter().zip(&b).map(|(a, b)| (a + b) / 2.0).collect();
-            let kinematics = &self.world.model.kinematics;
-            kinematics.frames(&a, self.moment.hand, &mut from);
-            kinematics.frames(&b, self.moment.hand, &mut to);
-            kinematics.frames(&middle, self.moment.hand, frames);
+            self.exact.place(&a, &mut from);
+            self.exact.place(&b, &mut to);
+            self.exact.place(&middle, frames);
             let (mut left, mut right) = (0_u64, 0_u64);
             for (bit, (question, _)) in self.questions.iter().skip(group * AT_ONCE).take(AT_ONCE).enumerate() {
                 if open >> bit & 1 == 0 {
@@ -129,7 +148,7 @@ impl Settling<'_> {
                 if before.by + before.off + after.by + after.off <= self.step {
                     continue;
                 }
-                let near = |room: f64, directions: &mut Directions| question.near(self.world, self.moment, frames, room, directions);
+                let near = |room: f64, directions: &mut Directions| self.exact.near(question, frames, room, directions);
                 let (half, other) = (before.by + before.off, after.by + after.off);
                 if near(half.max(other), self.directions) {
                     if near(0.0, self.directions) {
@@ -140,26 +159,26 @@ impl Settling<'_> {
                 }
             }
             if left != 0 {
-                self.stretches.push((group, Stretch { from: a, to: middle.clone(), open: left }));
-                self.stretches.push((group, Stretch { from: middle, to: b, open: right }));
+                self.stretches.push(Stretch { from: a, to: middle.clone(), group, open: left });
+                self.stretches.push(Stretch { from: middle, to: b, group, open: right });
             }
         }
         true
     }
 
-    fn moved(&self, question: &Question, (a, root_from_a): (&[f64], &[Pose]), (b, root_from_b): (&[f64], &[Pose])) -> Moved {
+    fn moved(&self, question: &E::Question, (a, root_from_a): (&[f64], &[Pose]), (b, root_from_b): (&[f64], &[Pose])) -> Moved {
         let turned: f64 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
         let mut moved = Moved::default();
-        for body in question.bodies() {
-            let swing = self.world.swing(self.moment, body, a, b);
-            let (frame_a, frame_b) = (self.world.frame(self.moment, body, root_from_a), self.world.frame(self.moment, body, root_from_b));
-            let bound = self.world.bound(self.moment, body);
+        let (first, second) = self.exact.bodies(question);
+        for body in std::iter::once(first).chain(second) {
+            let (frame_a, frame_b) = (self.exact.frame(body, root_from_a), self.exact.frame(body, root_from_b));
+            let bound = self.exact.bound(body);
             let (ra, rb) = (&frame_a.rotation, &frame_b.rotation);
             // Twice the sine of half the angle between them.
             let same = ra.x_axis.dot(rb.x_axis) + ra.y_axis.dot(rb.y_axis) + ra.z_axis.dot(rb.z_axis);
             let turn = (3.0 - same).max(0.0).sqrt();
             moved.by += frame_a.point(bound.centre).distance(frame_b.point(bound.centre)) + turn * bound.radius;
-            moved.off += turned * swing / 8.0;
+            moved.off += turned * self.exact.swing(body, a, b) / 8.0;
         }
         moved
     }

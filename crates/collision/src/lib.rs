@@ -19,6 +19,7 @@ mod pairs;
 mod probe;
 mod query;
 mod quick;
+pub mod shapes;
 mod report;
 mod suspects;
 mod world;

@@ -1,5 +1,6 @@
 //! Exact answers about the few things that the kernel's spheres touch; see [`crate::Quick`].
 
+use crate::between::{Exact, rows_clear};
 use crate::directions::Directions;
 use crate::lanes::{Suspect, Suspects};
 use crate::moment::{Held, Moment};
@@ -88,17 +89,47 @@ impl World {
             return true;
         }
         scratch.checked += 1;
-        self.model.kinematics.frames(posture, moment.hand, &mut scratch.frames);
+        let asked = At { world: self, moment };
+        asked.place(posture, &mut scratch.frames);
         let Scratch { frames, directions, .. } = scratch;
-        !self.questions(moment, suspects).any(|(question, _)| question.near(self, moment, frames, 0.0, directions))
+        !asked.questions(suspects).any(|(question, _)| asked.near(&question, frames, 0.0, directions))
     }
 
+    /// Whether up to sixteen rows, and the straight lines between them, are free of `suspects`, which
+    /// were found for these rows. A stretch in which nothing moves farther than `step` (metres) is
+    /// taken to be free where its ends are.
+    pub fn rows_clear(&self, rows: &[Vec<f64>], moment: &Moment, suspects: &Suspects, step: f64, scratch: &mut Scratch) -> bool {
+        if suspects.any_sure() {
+            return false;
+        }
+        let asked = At { world: self, moment };
+        let questions: Vec<(Question, u16)> = asked.questions(suspects).collect();
+        rows_clear(&asked, &questions, rows, step, scratch)
+    }
+}
+
+/// A suspicion, to be asked exactly. A body is a link's index, or [`crate::CollisionModel::held_index`].
+#[derive(Clone, Copy)]
+enum Question<'a> {
+    Obstacle { body: usize, obstacle: &'a Obstacle, margin: f64 },
+    /// What is held comes last.
+    Pair { a: usize, b: usize },
+}
+
+/// The world at a moment, with exact answers.
+struct At<'a> {
+    world: &'a World,
+    moment: &'a Moment,
+}
+
+impl<'a> At<'a> {
     /// What suspects are suspected of, and in which lanes.
-    pub(crate) fn questions<'a>(&'a self, moment: &'a Moment, suspects: &'a Suspects) -> impl Iterator<Item = (Question<'a>, u16)> {
-        let obstacles = suspects.obstacles.iter().filter_map(|s| {
-            let (owner, obstacle) = self.owner(moment, s.other)?;
-            let margin = match self.model.links.get(s.link) {
-                Some(Some(link)) => self.margin(moment, &owner, link.hand),
+    fn questions(&self, suspects: &'a Suspects) -> impl Iterator<Item = (Question<'a>, u16)> {
+        let (world, moment) = (self.world, self.moment);
+        let obstacles = suspects.obstacles.iter().filter_map(move |s| {
+            let (owner, obstacle) = world.owner(moment, s.other)?;
+            let margin = match world.model.links.get(s.link) {
+                Some(Some(link)) => world.margin(moment, &owner, link.hand),
                 Some(None) => return None,
                 None => moment.held_margin,
             };
@@ -106,70 +137,38 @@ impl World {
         });
         obstacles.chain(suspects.pairs.iter().map(|s| (Question::Pair { a: s.link, b: s.other }, s.lanes)))
     }
-
-    /// Where a body is, the links being placed: a link, or what is held.
-    pub(crate) fn frame(&self, moment: &Moment, body: usize, frames: &[Pose]) -> Pose {
-        match (&moment.held, frames.get(body)) {
-            (_, Some(frame)) => *frame,
-            (Some(held), None) => frames[self.model.kinematics.tool] * held.tool_from_object,
-            (None, None) => Pose::IDENTITY,
-        }
-    }
-
-    /// A ball that holds a body, in its frame.
-    pub(crate) fn bound(&self, moment: &Moment, body: usize) -> Sphere {
-        let nothing = Sphere { centre: Vec3::ZERO, radius: 0.0 };
-        match self.model.links.get(body) {
-            Some(link) => link.as_ref().map_or(nothing, |l| l.bound),
-            None => Sphere { radius: moment.held.as_ref().map_or(0.0, |held| held.radius()), ..nothing },
-        }
-    }
-
-    /// How far joints could move any point of a body from one posture to another, each on its own.
-    pub(crate) fn swing(&self, moment: &Moment, body: usize, a: &[f64], b: &[f64]) -> f64 {
-        let far = |held: &Held| held.tool_from_object.translation.length() + held.radius();
-        let (reach, longer) = match self.model.link_reach.get(body) {
-            Some(reach) => (reach, 0.0),
-            None => (&self.model.tool_reach, moment.held.as_ref().map_or(0.0, far)),
-        };
-        let swing = |((a, b), r): ((&f64, &f64), &f64)| if *r > 0.0 { (a - b).abs() * (r + longer) } else { 0.0 };
-        a.iter().zip(b).zip(reach).map(swing).sum()
-    }
 }
 
-/// A suspicion, to be asked exactly. A body is a link's index, or [`crate::CollisionModel::held_index`].
-#[derive(Clone, Copy)]
-pub(crate) enum Question<'a> {
-    Obstacle { body: usize, obstacle: &'a Obstacle, margin: f64 },
-    /// What is held comes last.
-    Pair { a: usize, b: usize },
-}
+impl<'a> Exact for At<'a> {
+    type Question = Question<'a>;
 
-impl Question<'_> {
-    /// Whether the two come closer than they should, by up to `more`.
-    pub fn near(&self, world: &World, moment: &Moment, frames: &[Pose], more: f64, directions: &mut Directions) -> bool {
-        let link = |index: usize| world.model.links.get(index).and_then(Option::as_ref);
-        match *self {
-            Question::Obstacle { body, obstacle, margin } => match (link(body), &moment.held) {
+    fn place(&self, q: &[f64], frames: &mut Vec<Pose>) {
+        self.world.model.kinematics.frames(q, self.moment.hand, frames);
+    }
+
+    fn near(&self, question: &Question, frames: &[Pose], more: f64, directions: &mut Directions) -> bool {
+        let link = |index: usize| self.world.model.links.get(index).and_then(Option::as_ref);
+        match *question {
+            Question::Obstacle { body, obstacle, margin } => match (link(body), &self.moment.held) {
                 (Some(link), _) => {
                     let frame = &frames[body];
                     link_near(link, frame, frame.point(link.bound.centre), obstacle, margin + more, directions)
                 }
                 (None, Some(held)) => {
-                    let frame = world.frame(moment, body, frames);
+                    let frame = self.frame(body, frames);
                     held.parts.iter().any(|part| held_near(part, &frame, obstacle, margin + more, directions))
                 }
                 (None, None) => false,
             },
-            Question::Pair { a, b } => match (link(a), link(b), &moment.held) {
+            Question::Pair { a, b } => match (link(a), link(b), &self.moment.held) {
                 (Some(la), Some(lb), _) => {
                     let (fa, fb) = (&frames[a], &frames[b]);
                     let (ca, cb) = (fa.point(la.bound.centre), fb.point(lb.bound.centre));
                     links_near((la, fa, ca), (lb, fb, cb), SELF_MARGIN + more, directions)
                 }
                 (Some(la), None, Some(held)) => {
-                    let frame = world.frame(moment, b, frames);
-                    let margin = moment.held_margin + more;
+                    let frame = self.frame(b, frames);
+                    let margin = self.moment.held_margin + more;
                     held.parts.iter().any(|part| held_near_link(part, &frame, la, &frames[a], margin, directions))
                 }
                 _ => false,
@@ -177,12 +176,37 @@ impl Question<'_> {
         }
     }
 
-    /// The bodies that move.
-    pub fn bodies(&self) -> impl Iterator<Item = usize> + use<> {
-        let (first, second) = match *self {
+    fn bodies(&self, question: &Question) -> (usize, Option<usize>) {
+        match *question {
             Question::Obstacle { body, .. } => (body, None),
             Question::Pair { a, b } => (a, Some(b)),
+        }
+    }
+
+    fn frame(&self, body: usize, frames: &[Pose]) -> Pose {
+        match (&self.moment.held, frames.get(body)) {
+            (_, Some(frame)) => *frame,
+            (Some(held), None) => frames[self.world.model.kinematics.tool] * held.tool_from_object,
+            (None, None) => Pose::IDENTITY,
+        }
+    }
+
+    fn bound(&self, body: usize) -> Sphere {
+        let nothing = Sphere { centre: Vec3::ZERO, radius: 0.0 };
+        match self.world.model.links.get(body) {
+            Some(link) => link.as_ref().map_or(nothing, |l| l.bound),
+            None => Sphere { radius: self.moment.held.as_ref().map_or(0.0, |held| held.radius()), ..nothing },
+        }
+    }
+
+    fn swing(&self, body: usize, a: &[f64], b: &[f64]) -> f64 {
+        let model = &self.world.model;
+        let far = |held: &Held| held.tool_from_object.translation.length() + held.radius();
+        let (reach, longer) = match model.link_reach.get(body) {
+            Some(reach) => (reach, 0.0),
+            None => (&model.tool_reach, self.moment.held.as_ref().map_or(0.0, far)),
         };
-        std::iter::once(first).chain(second)
+        let swing = |((a, b), r): ((&f64, &f64), &f64)| if *r > 0.0 { (a - b).abs() * (r + longer) } else { 0.0 };
+        a.iter().zip(b).zip(reach).map(swing).sum()
     }
 }

@@ -2,7 +2,9 @@
 
 use crate::{Halton, Path, Posture, RrtSettings, SimplifySettings, SphereSpace, Trees, connect, length, simplify};
 use clearway_collision::lanes::exact::{Contact, contact, unchecked_pairs};
-use clearway_collision::lanes::{Around, Body, Kernel, Obstacles, Piece, Settings as BodySettings};
+use clearway_collision::Scratch;
+use clearway_collision::shapes::{Among, Shapes};
+use clearway_collision::lanes::{Around, Body, Kernel, Obstacles, Piece, Relative, Settings as BodySettings};
 use clearway_geometry::{Convex, Pose, Solid};
 use clearway_plan::{Budget, Stop};
 use clearway_robot::{Group, Sphere};
@@ -46,6 +48,11 @@ impl Settings {
     }
 }
 
+/// Work spent on proving that two links never meet, in boxes of joint values.
+const MOST_BOXES: usize = 1000;
+/// Tags that obstacles leave to the robot's links.
+const ROBOT_TAGS: usize = 1 << 12;
+
 /// Something to keep clear of, in the root link's frame.
 #[derive(Clone, Debug)]
 pub struct Obstacle {
@@ -54,13 +61,15 @@ pub struct Obstacle {
     pub solid: Solid,
 }
 
-/// A robot of spheres, ready to plan for among any obstacles.
+/// A robot, ready to plan for among any obstacles.
 #[derive(Clone, Debug)]
 pub struct MotionPlanner {
     pub group: Group,
-    /// By link, in its frame.
+    /// By link, in its frame: they cover the link.
     pub spheres: Vec<Vec<Sphere>>,
     pub kernel: Kernel,
+    /// The links' own shapes, which decide where spheres touch; none where the spheres are the shapes.
+    shapes: Option<Shapes>,
 }
 
 /// Obstacles ready to plan among.
@@ -70,6 +79,8 @@ pub struct Surroundings {
     /// Part by part, with the number of its obstacle.
     parts: Vec<(Pose, Convex)>,
     owners: Vec<usize>,
+    /// Whole, for exact answers.
+    solids: Vec<clearway_collision::Obstacle>,
     indexed: Obstacles,
     standing: Vec<u16>,
 }
@@ -77,9 +88,12 @@ pub struct Surroundings {
 impl Surroundings {
     pub fn new(obstacles: Vec<Obstacle>) -> Self {
         let mut pieces = Vec::new();
-        let (mut parts, mut owners) = (Vec::new(), Vec::new());
+        let (mut parts, mut owners, mut solids) = (Vec::new(), Vec::new(), Vec::new());
         for (number, obstacle) in obstacles.iter().enumerate() {
             pieces.extend(Piece::of_solid(&obstacle.solid, &obstacle.root_from_solid, number as u32));
+            // Tags only choose slots; the robot's come first.
+            let tag = ROBOT_TAGS + parts.len();
+            solids.push(clearway_collision::Obstacle::new(&obstacle.solid, &obstacle.root_from_solid, tag));
             for (pose, convex) in &obstacle.solid.parts {
                 parts.push((obstacle.root_from_solid * *pose, convex.clone()));
                 owners.push(number);
@@ -88,7 +102,7 @@ impl Surroundings {
         let indexed = Obstacles::new(pieces);
         let mut standing = Vec::new();
         indexed.mask(|_| true, &mut standing);
-        Self { obstacles, parts, owners, indexed, standing }
+        Self { obstacles, parts, owners, solids, indexed, standing }
     }
 }
 
@@ -106,9 +120,29 @@ impl MotionPlanner {
     /// Covers the links with spheres where they are not spheres already.
     pub fn new(group: Group) -> Self {
         let spheres: Vec<Vec<Sphere>> = group.links.iter().map(|l| clearway_robot::cover_link(&l.collision)).collect();
-        let unchecked = unchecked_pairs(&group, &spheres);
+        let shapes = Shapes::of(&group, &spheres);
+        let mut unchecked = unchecked_pairs(&group, &spheres);
+        if shapes.is_some() {
+            // Of neighbours the spheres often meet where the links never do: by proof.
+            let links = 0..group.links.len();
+            let shaped = |l: &usize| !spheres[*l].is_empty();
+            for a in links.clone().filter(shaped) {
+                for b in links.clone().filter(|b| *b > a).filter(shaped) {
+                    let (own, other) = (&group.links[a].collision, &group.links[b].collision);
+                    if !unchecked.contains(&(a, b)) && Relative::new(&group, a, b).always_apart(own, other, 0.0, MOST_BOXES) {
+                        unchecked.push((a, b));
+                    }
+                }
+            }
+        }
         let kernel = Kernel::new(Body::new(&group, &spheres, unchecked, &BodySettings::default()));
-        Self { group, spheres, kernel }
+        Self { group, spheres, kernel, shapes }
+    }
+
+    /// The exact shapes among some obstacles, where spheres only cover them.
+    fn among<'a>(&'a self, around: &'a Surroundings, margin: f64) -> Option<Among<'a>> {
+        let shapes = self.shapes.as_ref()?;
+        Some(Among { group: &self.group, shapes, obstacles: &around.solids, margin })
     }
 
     /// Why a configuration cannot be an end of a motion, if it cannot: a joint out of its limits, or
@@ -124,6 +158,12 @@ impl MotionPlanner {
             }
         }
         let link = |l: usize| &self.group.links[l].name;
+        if let Some(among) = self.among(around, margin) {
+            return Some(match among.contact(q, &self.kernel.body.unchecked, &mut Scratch::default())? {
+                Contact::Links(a, b) => format!("in collision: {} touches {}", link(a), link(b)),
+                Contact::Obstacle(l, number) => format!("in collision: {} touches {}", link(l), around.obstacles[number].name),
+            });
+        }
         Some(match contact(&self.group, &self.spheres, &self.kernel.body.unchecked, &around.parts, q, margin)? {
             Contact::Links(a, b) => format!("in collision: {} touches {}", link(a), link(b)),
             Contact::Obstacle(l, part) => {
@@ -142,7 +182,8 @@ impl MotionPlanner {
             upright: None,
             never: &[],
         };
-        SphereSpace::new(&self.kernel, all, &self.group.lower, &self.group.upper, settings.checks_per_rad)
+        let exact = self.among(around, settings.margin);
+        SphereSpace::new(&self.kernel, all, exact, &self.group.lower, &self.group.upper, settings.checks_per_rad)
     }
 
     /// A path from `start` to one of `goals`, all of them free; `None` when the iterations ran out.

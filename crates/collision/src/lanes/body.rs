@@ -281,7 +281,7 @@ fn divide(spheres: &mut [(usize, Sphere)], settings: &Settings, found: &mut impl
 /// By variable: how far a unit of it moves any of `points` (in the frame that carries `link`), at
 /// most; 0 where it does not. From the point inwards, lengths along the chain are added up; the
 /// first turning joint counts only what is across its own axis.
-fn reach_of(group: &Group, link: usize, frame_from_link: &Pose, points: &[Vec3]) -> Vec<f64> {
+pub(crate) fn reach_of(group: &Group, link: usize, frame_from_link: &Pose, points: &[Vec3]) -> Vec<f64> {
     let mut most: Vec<f64> = vec![0.0; group.kinematics.arm_joints + 1];
     let steps = group.kinematics.steps();
     let in_link: Vec<Vec3> = points.iter().map(|p| frame_from_link.inverse_point(*p)).collect();

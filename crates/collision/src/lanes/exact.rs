@@ -59,14 +59,10 @@ pub fn contact(
 
 /// Postures that say how often two links touch.
 const SAMPLES: usize = 256;
-/// Spheres of two links that touch in at least this part of the postures, while the links' shapes
-/// never do, only say that the links are close neighbours.
-const CLOSE: f64 = 0.2;
 
 /// Which pairs of links need no check: those that the SRDF names, those that do not move against
-/// each other, and, by postures spread over the joints' ranges, those that touch in every one of
-/// them, or whose spheres touch often and whose shapes never do. Without an SRDF, links joined by a
-/// joint as well.
+/// each other, and, by postures spread over the joints' ranges, those whose shapes touch in every one
+/// of them. Without an SRDF, links joined by a joint as well. `spheres` cover the links.
 pub fn unchecked_pairs(group: &Group, spheres: &[Vec<Sphere>]) -> Vec<(usize, usize)> {
     let still = |a: usize, b: usize| {
         group.kinematics.moved_by[a] == group.kinematics.moved_by[b]
@@ -81,7 +77,7 @@ pub fn unchecked_pairs(group: &Group, spheres: &[Vec<Sphere>]) -> Vec<(usize, us
             if named || still(a, b) || group.disabled_pairs.is_empty() && group.adjacent(a, b) {
                 unchecked.push((a, b));
             } else {
-                asked.push(Asked { a, b, touched: 0, apart: true });
+                asked.push((a, b));
             }
         }
     }
@@ -95,28 +91,13 @@ pub fn unchecked_pairs(group: &Group, spheres: &[Vec<Sphere>]) -> Vec<(usize, us
             })
             .collect();
         group.kinematics.frames(&q, group.hand[0], &mut frames);
-        asked.retain_mut(|pair| {
-            let touch = spheres_touch(&spheres[pair.a], &frames[pair.a], &spheres[pair.b], &frames[pair.b]);
-            pair.touched += usize::from(touch);
-            pair.apart = pair.apart && !(touch && shapes_touch(group, pair.a, pair.b, &frames));
-            // Neither rule can hold any more.
-            pair.apart || pair.touched == sample + 1
+        asked.retain(|&(a, b)| {
+            spheres_touch(&spheres[a], &frames[a], &spheres[b], &frames[b]) && shapes_touch(group, a, b, &frames)
         });
     }
-    let often = |pair: &&Asked| pair.touched == SAMPLES || pair.apart && pair.touched as f64 >= CLOSE * SAMPLES as f64;
-    unchecked.extend(asked.iter().filter(often).map(|pair| (pair.a, pair.b)));
+    unchecked.extend(asked);
     unchecked.sort_unstable();
     unchecked
-}
-
-/// Two links, and what the postures so far say.
-struct Asked {
-    a: usize,
-    b: usize,
-    /// In how many of them spheres touch.
-    touched: usize,
-    /// The shapes touch in none.
-    apart: bool,
 }
 
 fn spheres_touch(own: &[Sphere], root_from_own: &Pose, others: &[Sphere], root_from_others: &Pose) -> bool {
