@@ -197,7 +197,7 @@ impl MotionPlanner {
         budget: &Budget,
     ) -> Result<Option<Solution>, Stop> {
         let started = Instant::now();
-        let mut sampler = Halton::new(space, settings.skip);
+        let mut sampler = Halton::near_ends(space, settings.skip, start, goals);
         let Some(path) = connect(space, start, goals, &mut sampler, &settings.rrt, trees, budget)? else { return Ok(None) };
         let plan = started.elapsed();
         let started = Instant::now();

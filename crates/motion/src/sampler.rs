@@ -8,17 +8,18 @@ pub trait Sampler {
     fn sample(&mut self, q: &mut [f64]);
 }
 
-/// Halton's sequence over the joints' ranges: evenly spread, the same every time.
+/// Halton's sequence: evenly spread, the same every time.
 #[derive(Clone, Debug)]
 pub struct Halton {
     joints: Vec<Radical>,
+    /// Boxes of configurations, by joint; samples are drawn from each in turn.
+    boxes: Vec<Vec<(f64, f64)>>,
+    turn: usize,
 }
 
 /// One joint's counter in the base of a prime, and its digits mirrored at the point.
 #[derive(Clone, Debug)]
 struct Radical {
-    low: f64,
-    high: f64,
     base: u32,
     digits: [u32; DIGITS],
     value: f64,
@@ -32,10 +33,10 @@ const PRIMES: [u32; 32] = [
 ];
 
 impl Halton {
-    /// `skip`: where in the sequence to begin; another value is another attempt.
+    /// Over all the joints' ranges. `skip`: where in the sequence to begin; another value is another
+    /// attempt.
     pub fn new(validator: &impl MotionValidator, skip: u32) -> Self {
-        let radical = |(joint, base): (usize, u32)| {
-            let (low, high) = validator.sampled_range(joint);
+        let radical = |base: u32| {
             let (mut digits, mut left, mut weight, mut value) = ([0; DIGITS], skip, 1.0, 0.0);
             for digit in &mut digits {
                 *digit = left % base;
@@ -43,10 +44,36 @@ impl Halton {
                 weight /= f64::from(base);
                 value += f64::from(*digit) * weight;
             }
-            Radical { low, high, base, digits, value }
+            Radical { base, digits, value }
         };
-        Self { joints: (0..validator.lower().len()).zip(PRIMES).map(radical).collect() }
+        let ranges = ranges(validator);
+        Self { joints: ranges.iter().zip(PRIMES).map(|(_, base)| radical(base)).collect(), boxes: vec![ranges], turn: 0 }
     }
+
+    /// Every other sample from about the ends of the motion, where the narrow passages mostly are and
+    /// the short ways, too.
+    pub fn near_ends(validator: &impl MotionValidator, skip: u32, start: &[f64], goals: &[Posture]) -> Self {
+        let mut halton = Self::new(validator, skip);
+        halton.boxes.push(about_ends(validator, start, goals));
+        halton
+    }
+}
+
+/// By joint: where samples are drawn.
+fn ranges(validator: &impl MotionValidator) -> Vec<(f64, f64)> {
+    (0..validator.lower().len()).map(|j| validator.sampled_range(j)).collect()
+}
+
+/// The box of a motion's ends, a little wider.
+fn about_ends(validator: &impl MotionValidator, start: &[f64], goals: &[Posture]) -> Vec<(f64, f64)> {
+    /// Radians or metres; less finds shorter ways, but no way round.
+    const WIDER: f64 = 1.0;
+    let about = |(j, (low, high)): (usize, (f64, f64))| {
+        let ends = || goals.iter().map(Vec::as_slice).chain([start]).map(|q| q[j]);
+        let (least, most) = (ends().fold(f64::INFINITY, f64::min), ends().fold(f64::NEG_INFINITY, f64::max));
+        ((least - WIDER).max(low), (most + WIDER).min(high))
+    };
+    ranges(validator).into_iter().enumerate().map(about).collect()
 }
 
 impl Radical {
@@ -68,17 +95,17 @@ impl Radical {
 
 impl Sampler for Halton {
     fn sample(&mut self, q: &mut [f64]) {
-        for (q, joint) in q.iter_mut().zip(&mut self.joints) {
+        let within = &self.boxes[self.turn];
+        self.turn = (self.turn + 1) % self.boxes.len();
+        for ((q, joint), (low, high)) in q.iter_mut().zip(&mut self.joints).zip(within) {
             joint.count();
-            *q = joint.low + (joint.high - joint.low) * joint.value;
+            *q = low + (high - low) * joint.value;
         }
     }
 }
 
 /// Part of the samples taken from guides, where there are any.
 const GUIDED: f64 = 0.8;
-/// Samples near the ends are drawn from a box wider than theirs by this, radians or metres.
-const WIDER: f64 = 1.5;
 
 /// Random samples, most of them near the ends of the motion or from among guides.
 pub struct NearEnds<'a, R> {
@@ -99,17 +126,7 @@ impl<'a, R: Rng> NearEnds<'a, R> {
         near: f64,
         random: &'a mut R,
     ) -> Self {
-        let ranges: Vec<(f64, f64)> = (0..start.len()).map(|j| validator.sampled_range(j)).collect();
-        let neighbourhood = ranges
-            .iter()
-            .enumerate()
-            .map(|(j, (l, u))| {
-                let ends = || goals.iter().map(Vec::as_slice).chain([start]).map(|q| q[j]);
-                let low = ends().fold(f64::INFINITY, f64::min) - WIDER;
-                let high = ends().fold(f64::NEG_INFINITY, f64::max) + WIDER;
-                (low.max(*l), high.min(*u))
-            })
-            .collect();
+        let (ranges, neighbourhood) = (ranges(validator), about_ends(validator, start, goals));
         Self { ranges, neighbourhood, guides, near, random }
     }
 }
