@@ -124,6 +124,42 @@ fn kernel(c: &mut Criterion) {
     }
 }
 
+/// Many small things all about the arm, spread evenly, the nearest 0.35 m from its axis.
+fn clutter(count: usize) -> Surroundings {
+    let spread = |i: usize, by: f64| (0.5 + (i + 1) as f64 * by).fract();
+    let thing = |i: usize| {
+        let (angle, far, high) = (spread(i, 0.819_172_51), spread(i, 0.671_043_61), spread(i, 0.549_700_48));
+        let angle = std::f64::consts::TAU * angle;
+        let at = Vec3::new(angle.cos(), angle.sin(), 0.0) * (0.35 + 0.65 * far) + Vec3::Z * (1.3 * high - 0.2);
+        let convex = match i % 3 {
+            0 => Convex::Sphere { radius: 0.02 },
+            1 => Convex::Cylinder { radius: 0.015, half: 0.03 },
+            _ => Convex::Box { half: Vec3::new(0.02, 0.015, 0.01) },
+        };
+        let root_from_solid = Pose::from_rpy([angle, 3.0 * far, high], at);
+        Obstacle { name: String::new(), root_from_solid, solid: Solid::new(convex) }
+    };
+    Surroundings::new((0..count).map(thing).collect())
+}
+
+/// The same free motions among ever more things.
+fn obstacles(c: &mut Criterion) {
+    let planner = MotionPlanner::new(Group::from(&robot("panda")));
+    let settings = MotionSettings::default();
+    let most = clutter(1000);
+    let [free, _] = motions(&mut planner.space(&most, &settings));
+    let mut group = c.benchmark_group("panda, the same free motions");
+    for count in [20, 100, 1000] {
+        let around = clutter(count);
+        let mut space = planner.space(&around, &settings);
+        assert!(free.iter().all(|(a, b)| space.motion_free(a, b)), "free among more, so among fewer");
+        group.bench_function(format!("{} motions, {count} obstacles", free.len()), |b| {
+            b.iter(|| free.iter().filter(|(from, to)| space.motion_free(black_box(from), to)).count());
+        });
+    }
+    group.finish();
+}
+
 fn inverse(c: &mut Criterion) {
     let robot = robot("ur10_ag95");
     let kinematics = Kinematics::new(&robot);
@@ -145,5 +181,5 @@ fn inverse(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, kernel, inverse);
+criterion_group!(benches, kernel, obstacles, inverse);
 criterion_main!(benches);
