@@ -1,6 +1,6 @@
 //! The robot alone, made ready for collision checks: the same in every scene, so made once.
 
-use crate::lanes::{Body, Kernel, Relative, Settings as BodySettings};
+use crate::lanes::{Body, Kernel, Relative, Settings as BodySettings, neighbours};
 use crate::obstacle::MovingPart;
 use crate::query::SELF_MARGIN;
 use crate::world::moving_parts;
@@ -93,7 +93,7 @@ impl CollisionModel {
         let hand: Vec<usize> = (0..self.links.len()).filter(|&l| self.links[l].as_ref().is_some_and(|l| l.hand)).collect();
         let spheres = cover(held, KERNEL_HELD_CELL);
         let body = self.kernel.body.with_attached(&self.group, self.kinematics.tool, (held, &spheres), &hand, &body_settings());
-        Arc::new(Kernel { body, level: self.kernel.level })
+        Arc::new(Kernel { body, level: self.kernel.level, neighbours: self.kernel.neighbours.clone() })
     }
 
     /// The index by which suspects name what is held.
@@ -115,8 +115,11 @@ fn kernel(robot: &Robot, group: &Group, pairs: &[(usize, usize)]) -> Kernel {
     let apart = |a: usize, b: usize| {
         Relative::new(group, a, b).always_apart(&robot.links[a].collision, &robot.links[b].collision, SELF_MARGIN, MOST_BOXES)
     };
-    let unchecked = all.filter(|&(a, b)| !pairs.contains(&(a, b)) || apart(a, b)).collect();
-    Kernel::new(Body::new(group, &spheres, unchecked, &body_settings()))
+    let mut unchecked: Vec<(usize, usize)> = all.filter(|&(a, b)| !pairs.contains(&(a, b)) || apart(a, b)).collect();
+    let neighbours = neighbours::find(group, &spheres, &unchecked);
+    unchecked.extend(neighbours.iter().map(|n| (n.a, n.b)));
+    let body = Body::new(group, &spheres, unchecked, &body_settings());
+    Kernel { neighbours: neighbours.into(), ..Kernel::new(body) }
 }
 
 /// For each arm joint that moves `link`: the chain's lengths from the joint to the link, added up,

@@ -4,7 +4,7 @@ use crate::{Halton, Path, Posture, RrtSettings, SimplifySettings, SphereSpace, T
 use clearway_collision::lanes::exact::{Contact, contact, unchecked_pairs};
 use clearway_collision::Scratch;
 use clearway_collision::shapes::{Among, Shapes};
-use clearway_collision::lanes::{Around, Body, Kernel, Obstacles, Piece, Relative, Settings as BodySettings};
+use clearway_collision::lanes::{Around, Body, Kernel, Obstacles, Piece, Relative, Settings as BodySettings, neighbours};
 use clearway_geometry::{Convex, Pose, Solid};
 use clearway_plan::{Budget, Stop};
 use clearway_robot::{Group, Sphere};
@@ -67,6 +67,8 @@ pub struct MotionPlanner {
     pub group: Group,
     /// By link, in its frame: they cover the link.
     pub spheres: Vec<Vec<Sphere>>,
+    /// Pairs of links that are not checked against each other.
+    pub unchecked: Vec<(usize, usize)>,
     pub kernel: Kernel,
     /// The links' own shapes, which decide where spheres touch; none where the spheres are the shapes.
     shapes: Option<Shapes>,
@@ -135,8 +137,11 @@ impl MotionPlanner {
                 }
             }
         }
-        let kernel = Kernel::new(Body::new(&group, &spheres, unchecked, &BodySettings::default()));
-        Self { group, spheres, kernel, shapes }
+        let tables = if shapes.is_some() { neighbours::find(&group, &spheres, &unchecked) } else { Vec::new() };
+        let unseen = unchecked.iter().copied().chain(tables.iter().map(|n| (n.a, n.b))).collect();
+        let kernel = Kernel::new(Body::new(&group, &spheres, unseen, &BodySettings::default()));
+        let kernel = Kernel { neighbours: tables.into(), ..kernel };
+        Self { group, spheres, unchecked, kernel, shapes }
     }
 
     /// The exact shapes among some obstacles, where spheres only cover them.
@@ -159,12 +164,12 @@ impl MotionPlanner {
         }
         let link = |l: usize| &self.group.links[l].name;
         if let Some(among) = self.among(around, margin) {
-            return Some(match among.contact(q, &self.kernel.body.unchecked, &mut Scratch::default())? {
+            return Some(match among.contact(q, &self.unchecked, &mut Scratch::default())? {
                 Contact::Links(a, b) => format!("in collision: {} touches {}", link(a), link(b)),
                 Contact::Obstacle(l, number) => format!("in collision: {} touches {}", link(l), around.obstacles[number].name),
             });
         }
-        Some(match contact(&self.group, &self.spheres, &self.kernel.body.unchecked, &around.parts, q, margin)? {
+        Some(match contact(&self.group, &self.spheres, &self.unchecked, &around.parts, q, margin)? {
             Contact::Links(a, b) => format!("in collision: {} touches {}", link(a), link(b)),
             Contact::Obstacle(l, part) => {
                 format!("in collision: {} touches {}", link(l), around.obstacles[around.owners[part]].name)

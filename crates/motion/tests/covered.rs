@@ -1,7 +1,7 @@
 //! Robots of primitives and meshes, whose links spheres only cover: the links' own shapes decide.
 #![allow(clippy::unwrap_used)]
 
-use clearway_geometry::distance::closer_than;
+use clearway_geometry::distance::{closer_than, distance};
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
 use clearway_motion::{MotionPlanner, MotionSettings, MotionValidator, Obstacle, Surroundings, Trees};
 use clearway_plan::Budget;
@@ -50,7 +50,7 @@ fn touches(planner: &MotionPlanner, obstacles: &[Obstacle], q: &[f64], margin: f
         a.iter().any(|(p, c)| b.iter().any(|(o, d)| closer_than(c, p, d, o, margin)))
     };
     let moved = |l: usize| group.kinematics.moved_by[l] != 0 || group.kinematics.moved_by_hand[l];
-    let unchecked = &planner.kernel.body.unchecked;
+    let unchecked = &planner.unchecked;
     (0..all.len()).any(|a| {
         (a + 1..all.len()).any(|b| !unchecked.contains(&(a, b)) && near(&all[a], &all[b]))
             || moved(a)
@@ -68,7 +68,7 @@ fn pairs_that_are_not_checked_never_touch_or_always_do() {
         let group = &planner.group;
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
         let pairs: Vec<(usize, usize)> =
-            planner.kernel.body.unchecked.iter().copied().filter(|&(a, b)| !group.adjacent(a, b)).collect();
+            planner.unchecked.iter().copied().filter(|&(a, b)| !group.adjacent(a, b)).collect();
         let mut touched = vec![0; pairs.len()];
         const POSTURES: usize = 3000;
         for _ in 0..POSTURES {
@@ -148,4 +148,30 @@ fn paths_are_free_in_the_exact_shapes() {
         }
         assert!(solved >= 19, "{name}: {solved} of {asked}");
     }
+}
+
+#[test]
+fn tables_of_neighbours_never_promise_more_room_than_there_is() {
+    let planner = planner("panda");
+    let group = &planner.group;
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+    assert!(!planner.kernel.neighbours.is_empty(), "link 5 and link 7");
+    let (mut useful, mut close) = (0, 0);
+    for _ in 0..4000 {
+        let q = posture(&planner, &mut random);
+        let mut frames = Vec::new();
+        group.kinematics.frames(&q, group.hand[0], &mut frames);
+        for n in planner.kernel.neighbours.iter() {
+            let room = n.clearance(|j| q[j]);
+            let parts = |l: usize| group.links[l].collision.parts.iter().map(move |(p, c)| (*p, c));
+            let truly = parts(n.a)
+                .flat_map(|(p, c)| parts(n.b).map(move |(o, d)| (p, c, o, d)))
+                .map(|(p, c, o, d)| distance(c, &(frames[n.a] * p), d, &(frames[n.b] * o)))
+                .fold(f64::INFINITY, f64::min);
+            assert!(room <= truly + 1e-6, "{room} {truly} at {q:?}");
+            useful += usize::from(room > 0.0);
+            close += usize::from(truly > 0.0 && truly < 0.03);
+        }
+    }
+    assert!(useful > 1500 && close > 300, "{useful} {close}");
 }

@@ -15,9 +15,11 @@
 
 use super::body::{Body, Part};
 use super::chain::Frame;
+use super::neighbours::Neighbours;
 use super::obstacles::Obstacles;
 use super::vector::{LANES, Lanes, Point, bits, counting, load, splat, store};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x16};
+use std::sync::Arc;
 
 /// Added to every radius, metres: more than f32 loses over a chain of links.
 pub const ROUNDING: f32 = 1e-5;
@@ -56,6 +58,8 @@ pub struct Around<'a> {
 pub struct Kernel {
     pub body: Body,
     pub level: Level,
+    /// Pairs of links that tables answer for, not spheres: they are unchecked in the body.
+    pub neighbours: Arc<[Neighbours]>,
 }
 
 /// Room for one thread's questions; reuse it to allocate nothing. It also remembers what touched
@@ -137,7 +141,12 @@ fn note(suspects: &mut Vec<Suspect>, (link, other): (usize, usize), (lanes, sure
 
 impl Kernel {
     pub fn new(body: Body) -> Self {
-        Self { body, level: Level::new() }
+        Self { body, level: Level::new(), neighbours: Arc::default() }
+    }
+
+    /// The room that neighbours keep, metres.
+    fn between_neighbours(&self) -> f64 {
+        f64::from(self.body.self_margin + ROUNDING)
     }
 
     pub fn scratch(&self) -> Scratch {
@@ -177,6 +186,7 @@ impl Kernel {
     pub fn motion_free(&self, a: &[f64], b: &[f64], per_radian: f64, around: &Around, scratch: &mut Scratch) -> bool {
         let count = self.begin(a, b, per_radian, scratch);
         dispatch!(self.level, simd => self.motion(simd, count, around, scratch))
+            && self.neighbours.iter().all(|n| n.motion_clear(a, b, self.between_neighbours()))
     }
 
     /// What up to sixteen rows, and the straight lines between them, may touch.
@@ -211,12 +221,26 @@ impl Kernel {
         }
         dispatch!(self.level, simd => self.all_suspects(simd, &joints, around, scratch, suspects));
         scratch.joints = joints;
+        for n in self.neighbours.iter() {
+            // Whatever lies between two rows is within half a step of one of them.
+            let more = n.moved(|j| f64::from(scratch.by[j])) / 2.0 + self.between_neighbours();
+            for (lane, _) in rows.iter().enumerate().filter(|(_, row)| n.clearance(|j| row[j]) <= more) {
+                note(&mut suspects.pairs, (n.a, n.b), (1 << lane, 0));
+            }
+        }
     }
 
     /// By lane, as bits: the configurations that touch nothing at all. `joints` has a row per joint.
     pub fn configurations_free(&self, joints: &[Lanes], around: &Around, scratch: &mut Scratch) -> u32 {
         scratch.configurations += LANES as u64;
-        dispatch!(self.level, simd => self.lanes_free(simd, joints, around, scratch))
+        let free = dispatch!(self.level, simd => self.lanes_free(simd, joints, around, scratch));
+        let clear = |lane: usize| {
+            self.neighbours.iter().all(|n| n.clearance(|j| f64::from(joints[j].0[lane])) > self.between_neighbours())
+        };
+        if self.neighbours.is_empty() {
+            return free;
+        }
+        (0..LANES).filter(|lane| free >> lane & 1 == 1 && clear(*lane)).fold(0, |mask, lane| mask | 1 << lane)
     }
 
     /// Places all frames for sixteen configurations, and nothing more.

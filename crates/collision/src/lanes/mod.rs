@@ -9,6 +9,7 @@ pub mod chain;
 pub mod exact;
 
 pub mod kernel;
+pub mod neighbours;
 mod never;
 pub mod obstacles;
 pub mod shape;
@@ -16,6 +17,7 @@ mod vector;
 
 pub use body::{Body, Settings};
 pub use kernel::{Around, Kernel, Scratch, Suspect, Suspects, Upright};
+pub use neighbours::Neighbours;
 pub use never::Relative;
 pub use obstacles::{Obstacles, Piece};
 pub use vector::{LANES, Lanes};
