@@ -32,7 +32,7 @@ pub struct Among<'a> {
 
 /// Nothing moves farther than this between two postures looked at, metres. All shapes are taken to be
 /// larger by half of it, so that what is called free is free in between as well.
-pub const STEP: f64 = 2e-4;
+pub const STEP: f64 = 5e-4;
 
 impl Shapes {
     /// `None` where all links are made of spheres: then the kernel's answers are exact.

@@ -6,16 +6,16 @@
 //! values; what the joints can move a link by bounds it in between.
 
 use super::body::reach_of;
-use clearway_geometry::distance::distance;
-use clearway_geometry::{Pose, Vec3};
-use clearway_robot::{Group, LinkStep, Motion, Sphere, bounding_sphere};
+use clearway_geometry::distance::closer_than_along;
+use clearway_geometry::{Convex, Pose, Solid, Vec3};
+use clearway_robot::{Group, LinkStep, Motion, Sphere};
 use std::f64::consts::{PI, TAU};
 
 /// Cells along each joint, and of these as many measured at once where the links are far apart.
-const CELLS: usize = 128;
+const CELLS: usize = 96;
 const COARSE: usize = 8;
 /// Farther apart than this, metres, is measured coarsely.
-const FAR: f64 = 0.03;
+const FAR: f64 = 0.01;
 /// Joints between two links, at most.
 const MOST_JOINTS: u32 = 2;
 /// Spheres that touch in at least this part of the postures are better replaced by a table …
@@ -102,18 +102,13 @@ pub fn find(group: &Group, spheres: &[Vec<Sphere>], unchecked: &[(usize, usize)]
         }
     }
     let often = |(_, count): &((usize, usize), usize)| *count as f64 >= OFTEN * SAMPLES as f64;
-    pairs.into_iter().filter(often).map(|((a, b), _)| Neighbours::new(group, spheres, a, b)).collect()
+    pairs.into_iter().filter(often).map(|((a, b), _)| Neighbours::new(group, a, b)).collect()
 }
 
 impl Neighbours {
-    fn new(group: &Group, spheres: &[Vec<Sphere>], a: usize, b: usize) -> Neighbours {
+    fn new(group: &Group, a: usize, b: usize) -> Neighbours {
         let between = group.kinematics.moved_by[a] ^ group.kinematics.moved_by[b];
-        let reach = [a, b].map(|link| {
-            let bound = bounding_sphere(&spheres[link]);
-            let to = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
-            let points: Vec<Vec3> = to.iter().map(|d| bound.centre + 3f64.sqrt() * bound.radius * *d).collect();
-            reach_of(group, link, &Pose::IDENTITY, &points)
-        });
+        let reach = [a, b].map(|link| reach_of(group, link, &Pose::IDENTITY, &corners(&group.links[link].collision)));
         let axis = |variable: usize| {
             let (low, high) = group.range(variable);
             // More than a turn shows nothing new, where the joint turns one to one.
@@ -132,7 +127,8 @@ impl Neighbours {
         let columns = axes.get(1).map_or(1, Axis::cells);
         let mut neighbours = Neighbours { a, b, axes, clearance: vec![f32::NEG_INFINITY; rows * columns] };
         let middles: Vec<f64> = (0..group.lower.len()).map(|j| (group.range(j).0 + group.range(j).1) / 2.0).collect();
-        let mut measure = Measure { group, a, b, q: middles, frames: Vec::new() };
+        let pairs = group.links[a].collision.parts.len() * group.links[b].collision.parts.len();
+        let mut measure = Measure { group, a, b, q: middles, frames: Vec::new(), directions: vec![Vec3::ZERO; pairs], kept: 0 };
         for i in (0..rows).step_by(COARSE) {
             for j in (0..columns).step_by(COARSE) {
                 neighbours.fill(&mut measure, i..(i + COARSE).min(rows), j..(j + COARSE).min(columns));
@@ -146,13 +142,13 @@ impl Neighbours {
         let count = self.axes.get(1).map_or(1, Axis::cells);
         let at = |axis: &Axis, range: &std::ops::Range<usize>| axis.low + axis.cell * (range.start + range.end) as f64 / 2.0;
         let middle = [at(&self.axes[0], &rows), self.axes.get(1).map_or(0.0, |axis| at(axis, &columns))];
-        let apart = measure.distance(&self.axes, middle);
+        let apart = measure.room(&self.axes, middle);
         for i in rows {
             for j in columns.clone() {
                 let here = [self.axes[0].middle(i), self.axes.get(1).map_or(0.0, |axis| axis.middle(j))];
                 let moved: f64 = self.axes.iter().zip(here).zip(middle).map(|((axis, h), m)| axis.reach * (h - m).abs()).sum();
                 let known = apart - moved;
-                let clearance = if known > FAR { known } else { measure.distance(&self.axes, here) };
+                let clearance = if known > FAR { known } else { measure.room(&self.axes, here) };
                 self.clearance[i * count + j] = clearance as f32;
             }
         }
@@ -193,34 +189,80 @@ impl Neighbours {
     }
 }
 
-/// Measures two links' distance.
+/// Points whose hull holds a solid: distances from an axis are greatest at one of them.
+fn corners(solid: &Solid) -> Vec<Vec3> {
+    let boxed = |half: Vec3| -> Vec<Vec3> {
+        let sign = |i: u32, bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
+        (0..8).map(|i| half * Vec3::new(sign(i, 0), sign(i, 1), sign(i, 2))).collect()
+    };
+    let part = |(pose, convex): &(Pose, Convex)| -> Vec<Vec3> {
+        let own = match convex {
+            Convex::Sphere { radius } => boxed(Vec3::splat(*radius)),
+            Convex::Capsule { radius, half } => boxed(Vec3::new(*radius, *radius, half + radius)),
+            Convex::Cylinder { radius, half } => boxed(Vec3::new(*radius, *radius, *half)),
+            Convex::Box { half } => boxed(*half),
+            Convex::Hull(hull) => hull.points.clone(),
+        };
+        own.into_iter().map(|p| pose.point(p)).collect()
+    };
+    solid.parts.iter().flat_map(part).collect()
+}
+
+/// Rooms told apart, metres: a boolean question with the last answer's direction in mind is far
+/// cheaper than a distance.
+const ROOMS: [f64; 14] =
+    [0.0008, 0.0015, 0.0025, 0.0035, 0.005, 0.007, 0.01, 0.014, 0.02, 0.03, 0.045, 0.07, 0.12, 0.25];
+
+/// Measures the room between two links.
 struct Measure<'a> {
     group: &'a Group,
     a: usize,
     b: usize,
     q: Vec<f64>,
     frames: Vec<Pose>,
+    /// By pair of parts: what last told them apart.
+    directions: Vec<Vec3>,
+    /// How many of [`ROOMS`] were kept last.
+    kept: usize,
 }
 
 impl Measure<'_> {
-    fn distance(&mut self, axes: &[Axis], values: [f64; 2]) -> f64 {
+    /// The greatest of [`ROOMS`] that the links keep, else 0.
+    fn room(&mut self, axes: &[Axis], values: [f64; 2]) -> f64 {
         for (axis, value) in axes.iter().zip(values) {
             self.q[axis.variable] = value;
         }
         self.group.kinematics.frames(&self.q, self.group.hand[0], &mut self.frames);
-        let placed = |link: usize| {
-            let frame = self.frames[link];
-            self.group.links[link].collision.parts.iter().map(move |(pose, convex)| (frame * *pose, convex))
-        };
-        let mut least = f64::INFINITY;
-        for (pose, convex) in placed(self.a) {
-            for (other_pose, other) in placed(self.b) {
-                let apart = pose.translation.distance(other_pose.translation) - convex.bounding_radius() - other.bounding_radius();
-                if apart < least {
-                    least = least.min(distance(convex, &pose, other, &other_pose));
-                }
+        // From what the last cell kept, up or down.
+        let mut kept = self.kept;
+        if kept == 0 || self.keeps(ROOMS[kept - 1]) {
+            while kept < ROOMS.len() && self.keeps(ROOMS[kept]) {
+                kept += 1;
+            }
+        } else {
+            kept -= 1;
+            while kept > 0 && !self.keeps(ROOMS[kept - 1]) {
+                kept -= 1;
             }
         }
-        least
+        self.kept = kept;
+        if kept == 0 { 0.0 } else { ROOMS[kept - 1] }
+    }
+
+    fn keeps(&mut self, room: f64) -> bool {
+        let (own, others) = (&self.group.links[self.a].collision.parts, &self.group.links[self.b].collision.parts);
+        let (from_a, from_b) = (self.frames[self.a], self.frames[self.b]);
+        let mut pair = 0;
+        for (pose, convex) in own {
+            let pose = from_a * *pose;
+            for (other_pose, other) in others {
+                let other_pose = from_b * *other_pose;
+                if closer_than_along(convex, &pose, other, &other_pose, room, &mut self.directions[pair]) {
+                    return false;
+                }
+                pair += 1;
+            }
+        }
+        true
     }
 }
