@@ -99,8 +99,8 @@ pub struct Planner {
     graph: RetrievalGraph,
     /// By object; what was found out about reaching it.
     ways: Vec<Option<Ways>>,
-    /// Ways that end among the clutter are good enough.
-    partial_ways: bool,
+    /// Objects for which ways that end among the clutter are good enough.
+    partial_ways: ObjectSet,
     scratch: Scratch,
     trees: Trees,
 }
@@ -141,7 +141,7 @@ impl Planner {
         let roadmap = Roadmap::new(&floor);
         let graph = new_graph(&scene);
         let ways = vec![None; scene.objects.len()];
-        Ok(Self { scene, world, inverse, settings, start, floor, roadmap, graph, ways, partial_ways: false, scratch: Scratch::default(), trees: Trees::default() })
+        Ok(Self { scene, world, inverse, settings, start, floor, roadmap, graph, ways, partial_ways: ObjectSet::EMPTY, scratch: Scratch::default(), trees: Trees::default() })
     }
 
     pub fn scene(&self) -> &Scene {
@@ -170,7 +170,7 @@ impl Planner {
                 self.roadmap = Roadmap::new(&self.floor);
                 self.graph = new_graph(&scene);
                 self.ways = vec![None; scene.objects.len()];
-                self.partial_ways = false;
+                self.partial_ways = ObjectSet::EMPTY;
                 self.scene = *scene;
             }
         }
@@ -275,7 +275,7 @@ impl Planner {
             }
             // Everything known has failed at the widest limit. From the beginning, then: other
             // motions may be found, also from where a way ends among the clutter.
-            self.partial_ways = true;
+            self.partial_ways = ObjectSet::first(count);
             self.graph.forget();
             limit = 1;
         }
@@ -284,10 +284,11 @@ impl Planner {
     /// Looks into all ways of the objects that came up: whoever is told that there is no plan wants to
     /// know what stands in the way.
     fn look_at_all(&mut self) {
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways);
         for (index, ways) in self.ways.iter_mut().enumerate() {
             let Some(ways) = ways else { continue };
             let object = ObjectId(index as u16);
+            let partial = self.partial_ways.contains(object);
+            let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, partial);
             // Without a limit nothing stops it.
             let _ = explorer.minimal_sets(object, ways, ObjectSet::CAPACITY, &mut self.scratch, &Budget::unlimited());
         }
@@ -298,6 +299,7 @@ impl Planner {
     fn look_up_to(&mut self, limit: usize, run: &Run) -> Result<(), Stop> {
         let target = self.scene.target;
         if !self.settings.as_in_paper {
+            self.allow_partial(target, run)?;
             let direct = self.minimal_sets(target, most_in_way(limit, true), run)?;
             self.graph.add_direct(&direct);
             for object in self.graph.complete() {
@@ -326,14 +328,11 @@ impl Planner {
         let mut removed = ObjectSet::EMPTY;
         let mut needs: Vec<(ObjectId, ObjectSet)> = Vec::new();
         for &object in &sequence.objects {
-            let free = self.free_ways(object, &removed, 1, run)?;
-            let free = match free.first() {
-                Some(_) => free,
-                // Not straight; but the roadmap may show a way round what still stands.
-                None if self.add_route(object, &removed) => self.free_ways(object, &removed, 1, run)?,
-                None => free,
-            };
-            let Some(&first) = free.first() else {
+            let mut free = self.first_free_way(object, &removed, run)?;
+            if free.is_none() && self.allow_partial(object, run)? {
+                free = self.first_free_way(object, &removed, run)?;
+            }
+            let Some(first) = free else {
                 let is_target = object == self.scene.target;
                 let most = if self.settings.as_in_paper { self.scene.objects.len() } else { most_in_way(limit, is_target) };
                 let mut sets = self.minimal_sets(object, most, run)?;
@@ -361,6 +360,31 @@ impl Planner {
         Ok(carried?.then_some(sequence))
     }
 
+    fn first_free_way(&mut self, object: ObjectId, removed: &ObjectSet, run: &Run) -> Result<Option<usize>, Stop> {
+        let free = self.free_ways(object, removed, 1, run)?;
+        Ok(match free.first() {
+            Some(first) => Some(*first),
+            // Not straight; but the roadmap may show a way round what still stands.
+            None if self.add_route(object, removed) => self.free_ways(object, removed, 1, run)?.first().copied(),
+            None => None,
+        })
+    }
+
+    /// Lets ways to an object end among the clutter when no other lead to it, whatever is removed.
+    fn allow_partial(&mut self, object: ObjectId, run: &Run) -> Result<bool, Stop> {
+        self.explore(object, run)?;
+        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, false);
+        let Some(ways) = self.ways[object.index()].as_mut() else { return Ok(false) };
+        if self.settings.as_in_paper
+            || self.partial_ways.contains(object)
+            || explorer.any_clear(object, ways, &mut self.scratch, &run.budget)?
+        {
+            return Ok(false);
+        }
+        self.partial_ways.insert(object);
+        Ok(true)
+    }
+
     /// Adds ways along the roadmap's route out for an object, when there is one and it bends.
     fn add_route(&mut self, object: ObjectId, removed: &ObjectSet) -> bool {
         let at = self.scene.objects[object.index()].pose.translation.truncate();
@@ -368,7 +392,7 @@ impl Planner {
         if route.len() < 3 {
             return false;
         }
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways);
+        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways.contains(object));
         if let Some(ways) = self.ways[object.index()].as_mut() {
             explorer.add_route(ways, &route);
         }
@@ -472,7 +496,7 @@ impl Planner {
 
     fn explore(&mut self, object: ObjectId, run: &Run) -> Result<(), Stop> {
         if self.ways[object.index()].is_none() {
-            let found = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways).explore(object, &run.budget)?;
+            let found = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways.contains(object)).explore(object, &run.budget)?;
             self.ways[object.index()] = Some(found);
         }
         Ok(())
@@ -480,7 +504,7 @@ impl Planner {
 
     fn see_all(&mut self, object: ObjectId, run: &Run) -> Result<(), Stop> {
         self.explore(object, run)?;
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways);
+        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways.contains(object));
         match self.ways[object.index()].as_mut() {
             Some(ways) => explorer.see_all(object, ways, &mut self.scratch, &run.budget),
             None => Ok(()),
@@ -489,7 +513,7 @@ impl Planner {
 
     fn free_ways(&mut self, object: ObjectId, removed: &ObjectSet, most: usize, run: &Run) -> Result<Vec<usize>, Stop> {
         self.explore(object, run)?;
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways);
+        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways.contains(object));
         match self.ways[object.index()].as_mut() {
             Some(ways) => explorer.free_ways(object, ways, removed, most, &mut self.scratch, &run.budget),
             None => Ok(Vec::new()),
@@ -498,7 +522,7 @@ impl Planner {
 
     fn minimal_sets(&mut self, object: ObjectId, most: usize, run: &Run) -> Result<Vec<ObjectSet>, Stop> {
         self.explore(object, run)?;
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways);
+        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways.contains(object));
         match self.ways[object.index()].as_mut() {
             Some(ways) => explorer.minimal_sets(object, ways, most, &mut self.scratch, &run.budget),
             None => Ok(Vec::new()),

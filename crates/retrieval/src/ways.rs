@@ -387,6 +387,22 @@ impl Explorer<'_> {
         Ok(free)
     }
 
+    /// Whether any way leads out of the clutter, whatever stands in it.
+    pub fn any_clear(&self, object: ObjectId, ways: &mut Ways, scratch: &mut Scratch, budget: &Budget) -> Result<bool, Stop> {
+        loop {
+            budget.check()?;
+            if ways.ways.iter().any(|w| w.stage == Stage::Exact && w.clear) {
+                return Ok(true);
+            }
+            let next = (0..ways.ways.len()).filter(|&i| ways.ways[i].stage < Stage::Exact).min_by_key(|&i| ways.ways[i].blocked_by.len());
+            match next {
+                Some(i) => self.advance(object, ways, i, ObjectSet::CAPACITY, scratch),
+                None if self.see(object, ways, scratch) => {}
+                None => return Ok(false),
+            }
+        }
+    }
+
     /// Ways known to be free once `removed` is gone.
     fn free_now(&self, ways: &Ways, removed: &ObjectSet) -> impl Iterator<Item = usize> {
         let free = |w: &Way| w.stage == Stage::Exact && self.counts(w) && w.blocked_by.is_subset(removed);
