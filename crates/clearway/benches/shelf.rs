@@ -6,6 +6,7 @@
 
 use clearway::scenarios::{self, Wanted};
 use clearway::{Budget, CollisionModel, Outcome, Planner, Request, Robot, Scene, Settings, Silent, duration, solve};
+use clearway_experiments::statistics::{mean, quantile};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -22,50 +23,55 @@ fn main() {
     println!("robot ready in {:.1} ms; the times below are from a scene to a complete plan", began.elapsed().as_secs_f64() * 1e3);
     println!("objects  solved  removed  median ms  p95 ms  task ms  motion ms  verify ms  motion s");
     for objects in [12, 16, 20] {
-        let (mut times, mut task, mut motion, mut judged, mut lasts) = (vec![], vec![], vec![], vec![], vec![]);
-        let mut removed = vec![];
-        let mut slow = Vec::new();
+        let mut best = Vec::new();
         for seed in first..first + count {
             let drawn = scenarios::shelf(&Wanted { objects, seed, least_removals: None }).expect("a scene");
             let scene = Scene::from_file_struct(drawn.file, here).expect("a sound scene");
-            let runs: Vec<Option<Run>> = (0..repeats).map(|_| run(&scene, &model, here, seed)).collect();
+            let runs: Option<Vec<Run>> = (0..repeats).map(|_| run(&scene, &model, here, seed)).collect();
             // The machine is shared: the least of all repeats says what the work takes.
-            let least = |value: fn(&Run) -> f64| runs.iter().flatten().map(value).fold(f64::INFINITY, f64::min);
-            let Some(Some(any)) = runs.first() else { continue };
-            times.push(least(|r| r.total));
-            task.push(least(|r| r.task));
-            motion.push(least(|r| r.motion));
-            judged.push(least(|r| r.judged));
-            lasts.push(any.lasts);
-            removed.push(any.removed);
-            slow.push((least(|r| r.total), seed));
+            best.extend(runs.into_iter().flatten().reduce(Run::least));
         }
-        let ms = |v: &mut Vec<f64>, part: f64| quantile(v, part) * 1e3;
+        let column = |value: fn(&Run) -> f64| best.iter().map(value).collect::<Vec<f64>>();
+        let ms = |value, part| quantile(&column(value), part).unwrap_or(f64::NAN) * 1e3;
         println!(
             "{objects:7}  {:6}  {:7.2}  {:9.1}  {:6.1}  {:7.1}  {:9.1}  {:9.1}  {:8.1}",
-            format!("{}/{count}", times.len()),
-            removed.iter().sum::<f64>() / removed.len().max(1) as f64,
-            ms(&mut times.clone(), 0.5),
-            ms(&mut times, 0.95),
-            ms(&mut task, 0.5),
-            ms(&mut motion, 0.5),
-            ms(&mut judged, 0.5),
-            quantile(&mut lasts, 0.5),
+            format!("{}/{count}", best.len()),
+            mean(&column(|r| r.removed)).unwrap_or(f64::NAN),
+            ms(|r| r.total, 0.5),
+            ms(|r| r.total, 0.95),
+            ms(|r| r.task, 0.5),
+            ms(|r| r.motion, 0.5),
+            ms(|r| r.judged, 0.5),
+            quantile(&column(|r| r.lasts), 0.5).unwrap_or(f64::NAN),
         );
-        slow.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let worst: Vec<String> = slow.iter().take(4).map(|(t, s)| format!("seed {s}: {:.0} ms", t * 1e3)).collect();
+        best.sort_by(|a, b| b.total.total_cmp(&a.total));
+        let worst: Vec<String> = best.iter().take(4).map(|r| format!("seed {}: {:.0} ms", r.seed, r.total * 1e3)).collect();
         println!("         slowest: {}", worst.join(", "));
     }
 }
 
 /// One plan's seconds.
 struct Run {
+    seed: u64,
     total: f64,
     task: f64,
     motion: f64,
     judged: f64,
     lasts: f64,
     removed: f64,
+}
+
+impl Run {
+    /// The least of both in each time.
+    fn least(self, other: Self) -> Self {
+        Self {
+            total: self.total.min(other.total),
+            task: self.task.min(other.task),
+            motion: self.motion.min(other.motion),
+            judged: self.judged.min(other.judged),
+            ..self
+        }
+    }
 }
 
 /// Plans a scene from nothing but the robot; `None` when there is no verified plan.
@@ -79,6 +85,7 @@ fn run(scene: &Scene, model: &Arc<CollisionModel>, here: &Path, seed: u64) -> Op
         Outcome::Solved(verified) => {
             let plan = verified.plan();
             Some(Run {
+                seed,
                 total: plan.timing.total + prepared.as_secs_f64(),
                 task: plan.timing.task,
                 motion: plan.timing.motion,
@@ -96,9 +103,4 @@ fn run(scene: &Scene, model: &Arc<CollisionModel>, here: &Path, seed: u64) -> Op
             None
         }
     }
-}
-
-fn quantile(values: &mut [f64], part: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(((values.len() as f64 - 1.0) * part).round() as usize).copied().unwrap_or(f64::NAN)
 }

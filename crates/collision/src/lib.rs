@@ -32,4 +32,4 @@ pub use probe::{Probe, Slack};
 pub use query::{Scratch, Touch};
 pub use quick::Quick;
 pub use report::Contact;
-pub use world::{RESTS_WITHIN, World};
+pub use world::World;

@@ -1,6 +1,6 @@
 //! The robot alone, made ready for collision checks: the same in every scene, so made once.
 
-use crate::lanes::{Body, Kernel, Relative, Settings as BodySettings, neighbours};
+use crate::lanes::{Kernel, Settings as BodySettings};
 use crate::obstacle::MovingPart;
 use crate::query::SELF_MARGIN;
 use crate::world::moving_parts;
@@ -46,8 +46,6 @@ pub struct CollisionModel {
 const COSTLY: usize = 24;
 /// Parts of one link have neighbouring tags; tags only choose slots, so more parts do no harm.
 pub(crate) const TAGS_PER_LINK: usize = 16;
-/// Work spent on proving that two links never meet, in boxes of joint values.
-const MOST_BOXES: usize = 1000;
 /// Width of the cells that links are covered with, metres: hand finely, arm coarsely.
 const ARM_CELL: f64 = 0.08;
 const HAND_CELL: f64 = 0.03;
@@ -85,9 +83,7 @@ impl CollisionModel {
         let kernel = Arc::new(kernel(&robot, &group, &pairs));
         Self { robot, kinematics, links, pairs, unchecked, link_reach, tool_reach, group, kernel }
     }
-}
 
-impl CollisionModel {
     /// The kernel of the robot with something in its hand: parts in the tool's frame.
     pub fn holding(&self, held: &Solid) -> Arc<Kernel> {
         let hand: Vec<usize> = (0..self.links.len()).filter(|&l| self.links[l].as_ref().is_some_and(|l| l.hand)).collect();
@@ -112,14 +108,7 @@ fn kernel(robot: &Robot, group: &Group, pairs: &[(usize, usize)]) -> Kernel {
     let spheres: Vec<Vec<Sphere>> = robot.links.iter().enumerate().map(|(i, l)| cover(&l.collision, width(i))).collect();
     let links = robot.links.len();
     let all = (0..links).flat_map(|a| (a + 1..links).map(move |b| (a, b)));
-    let apart = |a: usize, b: usize| {
-        Relative::new(group, a, b).always_apart(&robot.links[a].collision, &robot.links[b].collision, SELF_MARGIN, MOST_BOXES)
-    };
-    let mut unchecked: Vec<(usize, usize)> = all.filter(|&(a, b)| !pairs.contains(&(a, b)) || apart(a, b)).collect();
-    let neighbours = neighbours::find(group, &spheres, &unchecked);
-    unchecked.extend(neighbours.iter().map(|n| (n.a, n.b)));
-    let body = Body::new(group, &spheres, unchecked, &body_settings());
-    Kernel { neighbours: neighbours.into(), ..Kernel::new(body) }
+    Kernel::of_covers(group, &spheres, all.filter(|pair| !pairs.contains(pair)).collect(), &body_settings())
 }
 
 /// For each arm joint that moves `link`: the chain's lengths from the joint to the link, added up,

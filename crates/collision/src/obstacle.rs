@@ -82,6 +82,11 @@ impl Obstacle {
         Self { parts, bound: clearway_robot::bounding_sphere(&balls) }
     }
 
+    /// Its parts, in the root frame.
+    pub fn solid(&self) -> Solid {
+        Solid { parts: self.parts.iter().map(|p| (p.root_from_part, p.convex.clone())).collect() }
+    }
+
     /// A quick no: whether a ball may come closer than `margin` at all.
     #[inline]
     pub fn near_bound(&self, centre: Vec3, radius: f64, margin: f64) -> bool {

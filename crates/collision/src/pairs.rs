@@ -6,7 +6,7 @@
 //! higher, so that another draw does not fall on the other side.
 
 use clearway_geometry::{Pose, distance::closer_than};
-use clearway_robot::group::adjacent;
+use clearway_robot::group::{adjacent, spread};
 use clearway_robot::{Kinematics, Robot};
 use std::f64::consts::PI;
 
@@ -30,16 +30,10 @@ pub fn checked_pairs(robot: &Robot, kinematics: &Kinematics) -> (Vec<(usize, usi
     }
     let mut touching = vec![0usize; candidates.len()];
     let mut frames: Vec<Pose> = Vec::new();
-    // A fixed additive sequence (the plastic number's kin per dimension) spreads postures evenly.
     let open = robot.hand.open();
     for s in 0..SAMPLES {
-        let posture: Vec<f64> = (0..kinematics.arm_joints)
-            .map(|j| {
-                let (low, high) = (robot.lower[j].max(-PI), robot.upper[j].min(PI));
-                let t = (0.5 + (s + 1) as f64 * (0.754_877_666 + 0.137 * j as f64).fract()).fract();
-                low + (high - low) * t
-            })
-            .collect();
+        let range = |j: usize| (robot.lower[j].max(-PI), robot.upper[j].min(PI));
+        let posture = spread(s, (0..kinematics.arm_joints).map(range));
         kinematics.frames(&posture, open, &mut frames);
         for (count, &(a, b)) in touching.iter_mut().zip(&candidates) {
             *count += usize::from(overlap(robot, &frames, a, b));

@@ -6,9 +6,8 @@
 use crate::lanes::{Around, Kernel, LANES, Lanes, Obstacles, Piece, Scratch, Suspects, Upright};
 use crate::moment::{Held, Moment};
 use crate::obstacle::Obstacle;
-use crate::world::World;
-use clearway_geometry::{Pose, Solid};
-use clearway_plan::ObjectId;
+use crate::world::{Owner, World};
+use clearway_geometry::Pose;
 use std::sync::Arc;
 
 /// What the kernel is asked with; a macro, so that only these fields are borrowed.
@@ -27,8 +26,7 @@ macro_rules! around {
 
 /// An obstacle's parts, as the kernel takes them.
 pub(crate) fn pieces(obstacle: &Obstacle, owner: usize) -> Vec<Piece> {
-    let solid = Solid { parts: obstacle.parts.iter().map(|p| (p.root_from_part, p.convex.clone())).collect() };
-    Piece::of_solid(&solid, &Pose::IDENTITY, owner as u32).collect()
+    Piece::of_solid(&obstacle.solid(), &Pose::IDENTITY, owner as u32).collect()
 }
 
 /// The world at one moment. Cheap to make: a microsecond per shape. What is held is left out where it
@@ -56,18 +54,20 @@ impl Quick {
     }
 
     fn of(world: &World, moment: &Moment, held: Option<(&Held, &Arc<Kernel>)>) -> Self {
-        let (fixtures, placed) = (world.fixtures.len(), world.fixtures.len() + world.objects.len());
         let obstacles = if moment.placed.is_empty() {
             world.obstacles.clone()
         } else {
             let mut obstacles = Obstacles::clone(&world.obstacles);
-            let put = moment.placed.iter().enumerate();
-            obstacles.add(put.flat_map(|(i, (_, o))| pieces(o, placed + i)).collect());
+            let placed = moment.placed.iter().zip(world.fixtures.len() + world.objects.len()..);
+            obstacles.add(placed.flat_map(|((_, o), number)| pieces(o, number)).collect());
             Arc::new(obstacles)
         };
         let mut standing = Vec::new();
-        let stands = |id: usize| moment.standing.contains(ObjectId(id as u16));
-        obstacles.mask(|owner| !(fixtures..placed).contains(&(owner as usize)) || stands(owner as usize - fixtures), &mut standing);
+        let stands = |number: u32| match world.owner(number as usize) {
+            Owner::Standing(id) => moment.standing.contains(id),
+            Owner::Fixture(_) | Owner::Placed(_) => true,
+        };
+        obstacles.mask(stands, &mut standing);
         let kernel = held.map_or(&world.model.kernel, |(_, kernel)| kernel).clone();
         let upright = moment.lean.map(|lean| {
             let seat = kernel.body.chain.seats[world.model.kinematics.tool];
@@ -85,8 +85,12 @@ impl Quick {
                     obstacles.mask(|owner| apart.contains(&(owner as usize)), never);
                 }
             } else if let Some((held, _)) = held.filter(|_| moment.resting) {
-                let below = |owner: usize| held.fixtures_below.contains(&owner) || (fixtures..placed).contains(&owner) && held.objects_below.contains(ObjectId((owner - fixtures) as u16));
-                obstacles.mask(|owner| below(owner as usize), never);
+                let below = |number: u32| match world.owner(number as usize) {
+                    Owner::Fixture(index) => held.fixtures_below.contains(&index),
+                    Owner::Standing(id) => held.objects_below.contains(id),
+                    Owner::Placed(_) => false,
+                };
+                obstacles.mask(below, never);
             }
         }
         let joints = vec![Lanes::ZERO; world.model.kinematics.arm_joints];
@@ -110,7 +114,7 @@ impl Quick {
     }
 
     /// What up to sixteen rows, and the straight lines between them, may touch; owners of obstacles
-    /// are numbered as [`World::suspect`] wants them.
+    /// are numbered fixtures first, then objects, then what was placed.
     pub fn rows_suspects(&mut self, rows: &[Vec<f64>], suspects: &mut Suspects) {
         let around = around!(self);
         self.kernel.rows_suspects(rows, &around, &mut self.scratch, suspects);

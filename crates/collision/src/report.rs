@@ -36,7 +36,7 @@ impl World {
         let mut contacts = Vec::new();
         let directions = &mut Directions::default();
         let middle = |link: &LinkBody, frame: &Pose| frame.point(link.bound.centre);
-        let name = |i: usize| self.robot.links[i].name.clone();
+        let name = |i: usize| self.model.robot.links[i].name.clone();
         for &(a, b) in &self.model.pairs {
             if let (Some(la), Some(lb)) = (&self.model.links[a], &self.model.links[b])
                 && links_near((la, &frames[a], middle(la, &frames[a])), (lb, &frames[b], middle(lb, &frames[b])), margin, directions)
@@ -45,7 +45,7 @@ impl World {
             }
         }
         for (index, (link, frame)) in self.model.links.iter().zip(&frames).enumerate() {
-            let Some(link) = link.as_ref().filter(|_| !self.robot.mounted(index)) else { continue };
+            let Some(link) = link.as_ref().filter(|_| !self.model.robot.mounted(index)) else { continue };
             for (fixture, obstacle) in scene.fixtures.iter().zip(&self.fixtures) {
                 if link_near(link, frame, middle(link, frame), obstacle, margin, directions) {
                     contacts.push(Contact::Fixture { link: name(index), fixture: fixture.id.clone() });

@@ -2,7 +2,7 @@
 
 use crate::between::{Exact, rows_clear};
 use crate::directions::Directions;
-use crate::lanes::body::reach_of;
+use crate::lanes::body::reach_of_link;
 use crate::lanes::exact::Contact;
 use crate::lanes::{Suspect, Suspects};
 use crate::model::{LinkBody, TAGS_PER_LINK};
@@ -51,14 +51,7 @@ impl Shapes {
             })
         };
         let links: Vec<Option<LinkBody>> = group.links.iter().enumerate().map(body).collect();
-        let reach = |(index, link): (usize, &Option<LinkBody>)| {
-            let Some(LinkBody { bound, .. }) = link else { return vec![0.0; group.lower.len()] };
-            // The farthest points of a ball lie off its middle by its radius, whichever way.
-            let to = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
-            let points: Vec<Vec3> = to.iter().map(|d| bound.centre + 3f64.sqrt() * bound.radius * *d).collect();
-            reach_of(group, index, &Pose::IDENTITY, &points)
-        };
-        let reach = links.iter().enumerate().map(reach).collect();
+        let reach = (0..links.len()).map(|link| reach_of_link(group, link)).collect();
         Some(Shapes { links, reach })
     }
 }

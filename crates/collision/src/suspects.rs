@@ -6,45 +6,36 @@ use crate::lanes::{Suspect, Suspects};
 use crate::moment::{Held, Moment};
 use crate::obstacle::Obstacle;
 use crate::query::{SELF_MARGIN, Scratch, Touch, held_near, held_near_link, link_near, links_near};
-use crate::world::World;
+use crate::world::{Owner, World};
 use clearway_geometry::{Pose, Vec3};
-use clearway_plan::{ObjectId, ObjectSet};
+use clearway_plan::ObjectSet;
 use clearway_robot::Sphere;
 
-/// Whose an obstacle is.
-enum Owner {
-    Fixture,
-    Standing(ObjectId),
-    Placed(ObjectId),
-}
-
 impl World {
-    /// The obstacle that a suspect names, numbered fixtures first, then objects, then what was placed.
-    fn owner<'a>(&'a self, moment: &'a Moment, number: usize) -> Option<(Owner, &'a Obstacle)> {
-        let (fixtures, objects) = (self.fixtures.len(), self.objects.len());
-        if number < fixtures {
-            return Some((Owner::Fixture, &self.fixtures[number]));
+    /// The obstacle of an owner; `None` for something that was not placed.
+    fn obstacle<'a>(&'a self, moment: &'a Moment, owner: Owner) -> Option<&'a Obstacle> {
+        match owner {
+            Owner::Fixture(index) => self.fixtures.get(index),
+            Owner::Standing(id) => self.objects.get(id.index()),
+            Owner::Placed(index) => moment.placed.get(index).map(|(_, o)| &**o),
         }
-        if let Some(object) = self.objects.get(number - fixtures) {
-            return Some((Owner::Standing(ObjectId((number - fixtures) as u16)), object));
-        }
-        moment.placed.get(number - fixtures - objects).map(|(id, o)| (Owner::Placed(*id), &**o))
     }
 
     /// Closer than this is touching, for a link and an obstacle.
-    fn margin(&self, moment: &Moment, owner: &Owner, hand: bool) -> f64 {
-        match owner {
-            Owner::Standing(id) | Owner::Placed(id) if hand && moment.gripping == Some(*id) => 0.0,
-            _ => moment.margin,
-        }
+    fn margin(&self, moment: &Moment, owner: Owner, hand: bool) -> f64 {
+        let object = match owner {
+            Owner::Fixture(_) => None,
+            Owner::Standing(id) => Some(id),
+            Owner::Placed(index) => moment.placed.get(index).map(|(id, _)| *id),
+        };
+        if hand && object.is_some() && moment.gripping == object { 0.0 } else { moment.margin }
     }
 
     /// [`World::touched`], for a posture that is known to touch nothing but the suspects of its
     /// lane, what is held aside.
     pub fn touched_among(&self, posture: &[f64], moment: &Moment, suspects: &Suspects, lane: usize, scratch: &mut Scratch) -> Touch {
         let of_lane = |s: &&Suspect| s.lanes >> lane & 1 == 1;
-        let any = suspects.obstacles.iter().chain(&suspects.pairs).any(|s| of_lane(&s));
-        if !any && moment.held.is_none() {
+        if !suspects.any_in(lane) && moment.held.is_none() {
             return Touch::FREE;
         }
         scratch.checked += 1;
@@ -55,19 +46,20 @@ impl World {
         }
         let Scratch { frames, centres, directions, .. } = scratch;
         for suspect in suspects.obstacles.iter().filter(of_lane) {
-            let (Some(link), Some((owner, obstacle))) = (&self.model.links[suspect.link], self.owner(moment, suspect.other)) else {
+            let owner = self.owner(suspect.other);
+            let (Some(link), Some(obstacle)) = (&self.model.links[suspect.link], self.obstacle(moment, owner)) else {
                 continue;
             };
             if matches!(owner, Owner::Standing(id) if touched.contains(id)) {
                 continue;
             }
-            let margin = self.margin(moment, &owner, link.hand);
+            let margin = self.margin(moment, owner, link.hand);
             if suspect.sure >> lane & 1 == 1
                 || link_near(link, &frames[suspect.link], centres[suspect.link], obstacle, margin, directions)
             {
                 match owner {
                     Owner::Standing(id) => touched.insert(id),
-                    Owner::Fixture | Owner::Placed(_) => return Touch::Fixed,
+                    Owner::Fixture(_) | Owner::Placed(_) => return Touch::Fixed,
                 }
             }
         }
@@ -127,9 +119,10 @@ impl<'a> At<'a> {
     fn questions(&self, suspects: &'a Suspects) -> impl Iterator<Item = (Question<'a>, u16)> {
         let (world, moment) = (self.world, self.moment);
         let obstacles = suspects.obstacles.iter().filter_map(move |s| {
-            let (owner, obstacle) = world.owner(moment, s.other)?;
+            let owner = world.owner(s.other);
+            let obstacle = world.obstacle(moment, owner)?;
             let margin = match world.model.links.get(s.link) {
-                Some(Some(link)) => world.margin(moment, &owner, link.hand),
+                Some(Some(link)) => world.margin(moment, owner, link.hand),
                 Some(None) => return None,
                 None => moment.held_margin,
             };

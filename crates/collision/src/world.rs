@@ -6,7 +6,6 @@ use crate::obstacle::{MovingPart, Obstacle};
 use crate::quick::pieces;
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
 use clearway_plan::{ObjectId, ObjectSet};
-use clearway_robot::Robot;
 use clearway_scene::{Scene, Support};
 use std::sync::Arc;
 
@@ -14,7 +13,6 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct World {
     pub model: Arc<CollisionModel>,
-    pub robot: Arc<Robot>,
     pub world_from_root: Pose,
     pub root_from_world: Pose,
     pub fixtures: Vec<Obstacle>,
@@ -35,8 +33,14 @@ pub struct World {
     pub(crate) obstacles: Arc<Obstacles>,
 }
 
-/// What an object touches from this near may carry it, metres.
-pub const RESTS_WITHIN: f64 = 0.002;
+/// Whose an obstacle is, of those that the kernel knows: numbered fixtures first, then objects where
+/// the scene has them, then what was put down elsewhere, in the moment's order.
+#[derive(Clone, Copy)]
+pub(crate) enum Owner {
+    Fixture(usize),
+    Standing(ObjectId),
+    Placed(usize),
+}
 
 /// Links moved by no more joints than this are checked for fixtures that they never touch …
 const MOVED_BY_FEW: u32 = 2;
@@ -60,7 +64,6 @@ impl World {
     pub fn new(model: Arc<CollisionModel>, scene: &Scene) -> Self {
         let world_from_root = scene.base;
         let mut world = Self {
-            robot: model.robot.clone(),
             model,
             world_from_root,
             root_from_world: world_from_root.inverse(),
@@ -102,18 +105,25 @@ impl World {
         }
         self.poses = scene.objects.iter().map(|o| self.root_from_world * o.pose).collect();
         let ids = (0..self.objects.len()).map(|i| ObjectId(i as u16));
-        self.carriers = ids.map(|id| self.below(id, &self.poses[id.index()], RESTS_WITHIN)).collect();
+        self.carriers = ids.map(|id| self.below(id, &self.poses[id.index()])).collect();
         let all = self.fixtures.iter().chain(&self.objects).enumerate();
         self.obstacles = Arc::new(Obstacles::new(all.flat_map(|(i, o)| pieces(o, i)).collect()));
+    }
+
+    pub(crate) fn owner(&self, number: usize) -> Owner {
+        match number.checked_sub(self.fixtures.len()) {
+            None => Owner::Fixture(number),
+            Some(object) if object < self.objects.len() => Owner::Standing(ObjectId(object as u16)),
+            Some(past) => Owner::Placed(past - self.objects.len()),
+        }
     }
 
     /// The fixtures that keep clear of a link in all postures, by proof.
     fn never_touched(&self, link: usize) -> Vec<usize> {
         let relative = Relative::new(&self.model.group, 0, link);
-        let own = &self.robot.links[link].collision;
+        let own = &self.model.robot.links[link].collision;
         let clear = |f: &Obstacle| {
-            let solid = Solid { parts: f.parts.iter().map(|p| (p.root_from_part, p.convex.clone())).collect() };
-            f.parts.len() <= MOST_PROVED && relative.always_apart(&solid, own, NEVER_MARGIN, MOST_BOXES)
+            f.parts.len() <= MOST_PROVED && relative.always_apart(&f.solid(), own, NEVER_MARGIN, MOST_BOXES)
         };
         (0..self.fixtures.len()).filter(|&i| clear(&self.fixtures[i])).collect()
     }
@@ -126,14 +136,18 @@ impl World {
 
     /// The fixtures and standing objects that carry an object at rest at `root_from_object`: those
     /// it touches there, but no longer when raised by a little.
-    pub fn below(&self, object: ObjectId, root_from_object: &Pose, margin: f64) -> (Vec<usize>, ObjectSet) {
-        let raised = Pose::new(root_from_object.rotation, root_from_object.translation + self.up() * (2.0 * margin + 0.001));
-        let bound = self.objects[object.index()].bound.radius + raised.translation.distance(root_from_object.translation);
-        let centre = root_from_object.point(self.poses[object.index()].inverse_point(self.objects[object.index()].bound.centre));
+    pub fn below(&self, object: ObjectId, root_from_object: &Pose) -> (Vec<usize>, ObjectSet) {
+        /// What is this near may carry it, metres.
+        const NEAR: f64 = 0.002;
+        const RAISED: f64 = 2.0 * NEAR + 0.001;
+        let raised = Pose::new(root_from_object.rotation, root_from_object.translation + self.up() * RAISED);
+        let bound = self.objects[object.index()].bound;
+        let centre = root_from_object.point(self.poses[object.index()].inverse_point(bound.centre));
         let touches = |other: &Obstacle, pose: &Pose| {
-            other.near_bound(centre, bound, margin) && self.solids[object.index()].parts.iter().any(|(part, convex)| {
-                other.parts.iter().any(|p| p.near_convex(convex, &(*pose * *part), margin))
-            })
+            other.near_bound(centre, bound.radius + RAISED, NEAR)
+                && self.solids[object.index()].parts.iter().any(|(part, convex)| {
+                    other.parts.iter().any(|p| p.near_convex(convex, &(*pose * *part), NEAR))
+                })
         };
         let carries = |other: &Obstacle| touches(other, root_from_object) && !touches(other, &raised);
         let fixtures = (0..self.fixtures.len()).filter(|&i| carries(&self.fixtures[i])).collect();

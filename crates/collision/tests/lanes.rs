@@ -28,7 +28,7 @@ fn cases() -> Vec<Case> {
         let spheres: Vec<Vec<Sphere>> = group.links.iter().map(|l| cover_link(&l.collision)).collect();
         let mut unchecked = unchecked_pairs(&group, &spheres);
         leave_out_neighbours(&group, &spheres, &mut unchecked);
-        let body = Body::new(&group, &spheres, unchecked.clone(), &Settings::default());
+        let body = Body::new(&group, &spheres, &unchecked, &Settings::default());
         Case { group, spheres, unchecked, body }
     };
     vec![case("ur10_ag95"), case("panda")]
@@ -186,10 +186,9 @@ fn a_free_motion_is_free_between_its_samples_and_clear_motions_are_free() {
     assert!(free > 30 && refused > 30, "{free} free, {refused} refused");
 }
 
-#[test]
-fn suspects_hold_all_that_touches() {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(23);
-    let mut found = 0;
+/// What the kernel suspects of configurations among obstacles drawn at random.
+fn each_suspected(seed: u64, mut check: impl FnMut(&Case, &[(Pose, Convex)], &[Vec<f64>], &Suspects)) {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     for case in cases() {
         let kernel = Kernel::new(case.body.clone());
         let mut scratch = kernel.scratch();
@@ -199,73 +198,71 @@ fn suspects_hold_all_that_touches() {
             let configurations: Vec<Vec<f64>> = (0..LANES).map(|_| posture(&case, &mut random)).collect();
             let mut suspects = Suspects::default();
             kernel.configurations_suspects(&configurations, &around(&case, &indexed, &standing), &mut scratch, &mut suspects);
-            for (lane, q) in configurations.iter().enumerate() {
-                for (number, shape) in shapes.iter().enumerate() {
-                    for link in 0..case.spheres.len() {
-                        if case.group.kinematics.moved_by[link] == 0 || case.spheres[link].is_empty() {
-                            continue;
-                        }
-                        let mut alone = vec![Vec::new(); case.spheres.len()];
-                        alone[link] = case.spheres[link].clone();
-                        let one = std::slice::from_ref(shape);
-                        if contact(&case.group, &alone, &case.unchecked, one, q, 0.0).is_some() {
-                            let known = suspects.obstacles.iter().any(|s| {
-                                s.link == link && s.other == number && s.lanes >> lane & 1 == 1
-                            });
-                            assert!(known, "{} touches {number} at {q:?}", case.group.links[link].name);
-                            found += 1;
-                        }
-                    }
-                }
-                let mut unchecked = case.unchecked.clone();
-                while let Some(Contact::Links(a, b)) = contact(&case.group, &case.spheres, &unchecked, &[], q, 0.0) {
-                    let known = suspects.pairs.iter().any(|s| s.link == a && s.other == b && s.lanes >> lane & 1 == 1);
-                    assert!(known, "{} touches {} at {q:?}", case.group.links[a].name, case.group.links[b].name);
-                    unchecked.push((a, b));
-                    found += 1;
-                }
-            }
+            check(&case, &shapes, &configurations, &suspects);
         }
     }
+}
+
+#[test]
+fn suspects_hold_all_that_touches() {
+    let mut found = 0;
+    each_suspected(23, |case, shapes, configurations, suspects| {
+        for (lane, q) in configurations.iter().enumerate() {
+            for (number, shape) in shapes.iter().enumerate() {
+                for link in 0..case.spheres.len() {
+                    if case.group.kinematics.moved_by[link] == 0 || case.spheres[link].is_empty() {
+                        continue;
+                    }
+                    let mut alone = vec![Vec::new(); case.spheres.len()];
+                    alone[link] = case.spheres[link].clone();
+                    let one = std::slice::from_ref(shape);
+                    if contact(&case.group, &alone, &case.unchecked, one, q, 0.0).is_some() {
+                        let known = suspects.obstacles.iter().any(|s| {
+                            s.link == link && s.other == number && s.lanes >> lane & 1 == 1
+                        });
+                        assert!(known, "{} touches {number} at {q:?}", case.group.links[link].name);
+                        found += 1;
+                    }
+                }
+            }
+            let mut unchecked = case.unchecked.clone();
+            while let Some(Contact::Links(a, b)) = contact(&case.group, &case.spheres, &unchecked, &[], q, 0.0) {
+                let known = suspects.pairs.iter().any(|s| s.link == a && s.other == b && s.lanes >> lane & 1 == 1);
+                assert!(known, "{} touches {} at {q:?}", case.group.links[a].name, case.group.links[b].name);
+                unchecked.push((a, b));
+                found += 1;
+            }
+        }
+    });
     assert!(found > 200, "{found}");
 }
 
 #[test]
 fn what_touches_without_doubt_touches_in_the_exact_shapes() {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(29);
     let (mut sure, mut suspected) = (0, 0);
-    for case in cases() {
-        let kernel = Kernel::new(case.body.clone());
-        let mut scratch = kernel.scratch();
-        for _ in 0..60 {
-            let shapes = obstacles(&mut random);
-            let (indexed, standing) = index(&shapes);
-            let configurations: Vec<Vec<f64>> = (0..LANES).map(|_| posture(&case, &mut random)).collect();
-            let mut suspects = Suspects::default();
-            kernel.configurations_suspects(&configurations, &around(&case, &indexed, &standing), &mut scratch, &mut suspects);
-            for (lane, q) in configurations.iter().enumerate() {
-                let mut frames = Vec::new();
-                case.group.kinematics.frames(q, case.group.hand[0], &mut frames);
-                let parts = |link: usize| {
-                    let frame = frames[link];
-                    case.group.links[link].collision.parts.iter().map(move |(pose, c)| (frame * *pose, c))
-                };
-                for s in suspects.obstacles.iter().filter(|s| s.sure >> lane & 1 == 1) {
-                    assert!(s.lanes >> lane & 1 == 1);
-                    let (pose, convex) = &shapes[s.other];
-                    assert!(parts(s.link).any(|(p, c)| closer_than(c, &p, convex, pose, 0.0)), "{s:?} at {q:?}");
-                    sure += 1;
-                }
-                for s in suspects.pairs.iter().filter(|s| s.sure >> lane & 1 == 1) {
-                    let touch = parts(s.link).any(|(p, c)| parts(s.other).any(|(o, d)| closer_than(c, &p, d, &o, 0.0)));
-                    assert!(touch, "{s:?} at {q:?}");
-                    sure += 1;
-                }
+    each_suspected(29, |case, shapes, configurations, suspects| {
+        for (lane, q) in configurations.iter().enumerate() {
+            let mut frames = Vec::new();
+            case.group.kinematics.frames(q, case.group.hand[0], &mut frames);
+            let parts = |link: usize| {
+                let frame = frames[link];
+                case.group.links[link].collision.parts.iter().map(move |(pose, c)| (frame * *pose, c))
+            };
+            for s in suspects.obstacles.iter().filter(|s| s.sure >> lane & 1 == 1) {
+                assert!(s.lanes >> lane & 1 == 1);
+                let (pose, convex) = &shapes[s.other];
+                assert!(parts(s.link).any(|(p, c)| closer_than(c, &p, convex, pose, 0.0)), "{s:?} at {q:?}");
+                sure += 1;
             }
-            let all = suspects.obstacles.iter().chain(&suspects.pairs);
-            suspected += all.map(|s| s.lanes.count_ones()).sum::<u32>();
+            for s in suspects.pairs.iter().filter(|s| s.sure >> lane & 1 == 1) {
+                let touch = parts(s.link).any(|(p, c)| parts(s.other).any(|(o, d)| closer_than(c, &p, d, &o, 0.0)));
+                assert!(touch, "{s:?} at {q:?}");
+                sure += 1;
+            }
         }
-    }
+        let all = suspects.obstacles.iter().chain(&suspects.pairs);
+        suspected += all.map(|s| s.lanes.count_ones()).sum::<u32>();
+    });
     assert!(sure > 200 && suspected > sure + 100, "{sure} of {suspected}");
 }
 

@@ -21,7 +21,7 @@ fn shelf() -> (Scene, World) {
 
 /// Postures in front of and inside the shelf, not all over the place.
 fn posture(world: &World, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
-    world.robot.home.iter().map(|h| h + 1.6 * (random.random::<f64>() - 0.5)).collect()
+    world.model.robot.home.iter().map(|h| h + 1.6 * (random.random::<f64>() - 0.5)).collect()
 }
 
 fn held(world: &World, object: ObjectId) -> Held {
@@ -40,8 +40,8 @@ fn brute_force(world: &World, q: &[f64], moment: &Moment) -> Vec<f64> {
     let mut frames = Vec::new();
     world.model.kinematics.frames(q, moment.hand, &mut frames);
     let mut shapes = Vec::new();
-    for (link, frame) in world.robot.links.iter().zip(&frames) {
-        let index = world.robot.link(&link.name).unwrap();
+    for (link, frame) in world.model.robot.links.iter().zip(&frames) {
+        let index = world.model.robot.link(&link.name).unwrap();
         if world.model.kinematics.moved_by[index] != 0 {
             shapes.extend(link.collision.parts.iter().map(|(p, c)| (*frame * *p, c.clone())));
         }
@@ -72,7 +72,7 @@ fn touched_sets_are_those_of_brute_force() {
     for i in 0..6000 {
         let carried = ObjectId(i % 16);
         let standing = if i % 2 == 0 { all } else { all.difference(ObjectSet::of(carried)) };
-        let mut moment = Moment::new(standing, world.robot.hand.open(), 0.003);
+        let mut moment = Moment::new(standing, world.model.robot.hand.open(), 0.003);
         if i % 2 == 1 {
             moment.held = Some(held(&world, carried));
         }
@@ -100,7 +100,7 @@ fn what_a_probe_calls_free_around_is_free_around() {
     let mut slack = Slack::default();
     let mut around = 0;
     for i in 0..4000 {
-        let mut moment = Moment::new(all.difference(ObjectSet::of(ObjectId(3))), world.robot.hand.open(), 0.002);
+        let mut moment = Moment::new(all.difference(ObjectSet::of(ObjectId(3))), world.model.robot.hand.open(), 0.002);
         if i % 2 == 1 {
             moment.held = Some(held(&world, ObjectId(3)));
         }

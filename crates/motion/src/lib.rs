@@ -51,6 +51,11 @@ pub fn length(path: &[Posture]) -> f64 {
     path.windows(2).map(|w| distance(&w[0], &w[1])).sum()
 }
 
+/// The posture so far (0 to 1) on the straight line from `a` to `b`.
+pub fn between(a: &[f64], b: &[f64], part: f64) -> Posture {
+    a.iter().zip(b).map(|(a, b)| a + (b - a) * part).collect()
+}
+
 /// Euclidean distance in joint space.
 #[inline]
 pub fn distance(a: &[f64], b: &[f64]) -> f64 {

@@ -1,10 +1,10 @@
 //! Plain motion planning: a robot of spheres, obstacles, a start and goals; a path.
 
 use crate::{Halton, Path, Posture, RrtSettings, SimplifySettings, SphereSpace, Trees, connect, length, simplify};
-use clearway_collision::lanes::exact::{Contact, contact, unchecked_pairs};
 use clearway_collision::Scratch;
+use clearway_collision::lanes::exact::{Contact, contact, unchecked_pairs};
+use clearway_collision::lanes::{Around, Body, Kernel, Obstacles, Piece, Settings as BodySettings};
 use clearway_collision::shapes::{Among, Shapes};
-use clearway_collision::lanes::{Around, Body, Kernel, Obstacles, Piece, Relative, Settings as BodySettings, neighbours};
 use clearway_geometry::{Convex, Pose, Solid};
 use clearway_plan::{Budget, Stop};
 use clearway_robot::{Group, Sphere};
@@ -48,8 +48,6 @@ impl Settings {
     }
 }
 
-/// Work spent on proving that two links never meet, in boxes of joint values.
-const MOST_BOXES: usize = 1000;
 /// Tags that obstacles leave to the robot's links.
 const ROBOT_TAGS: usize = 1 << 12;
 
@@ -123,24 +121,12 @@ impl MotionPlanner {
     pub fn new(group: Group) -> Self {
         let spheres: Vec<Vec<Sphere>> = group.links.iter().map(|l| clearway_robot::cover_link(&l.collision)).collect();
         let shapes = Shapes::of(&group, &spheres);
-        let mut unchecked = unchecked_pairs(&group, &spheres);
-        if shapes.is_some() {
-            // Of neighbours the spheres often meet where the links never do: by proof.
-            let links = 0..group.links.len();
-            let shaped = |l: &usize| !spheres[*l].is_empty();
-            for a in links.clone().filter(shaped) {
-                for b in links.clone().filter(|b| *b > a).filter(shaped) {
-                    let (own, other) = (&group.links[a].collision, &group.links[b].collision);
-                    if !unchecked.contains(&(a, b)) && Relative::new(&group, a, b).always_apart(own, other, 0.0, MOST_BOXES) {
-                        unchecked.push((a, b));
-                    }
-                }
-            }
-        }
-        let tables = if shapes.is_some() { neighbours::find(&group, &spheres, &unchecked) } else { Vec::new() };
-        let unseen = unchecked.iter().copied().chain(tables.iter().map(|n| (n.a, n.b))).collect();
-        let kernel = Kernel::new(Body::new(&group, &spheres, unseen, &BodySettings::default()));
-        let kernel = Kernel { neighbours: tables.into(), ..kernel };
+        let unchecked = unchecked_pairs(&group, &spheres);
+        let settings = BodySettings::default();
+        let kernel = match shapes {
+            Some(_) => Kernel::of_covers(&group, &spheres, unchecked.clone(), &settings),
+            None => Kernel::new(Body::new(&group, &spheres, &unchecked, &settings)),
+        };
         Self { group, spheres, unchecked, kernel, shapes }
     }
 
@@ -163,17 +149,17 @@ impl MotionPlanner {
             }
         }
         let link = |l: usize| &self.group.links[l].name;
-        if let Some(among) = self.among(around, margin) {
-            return Some(match among.contact(q, &self.unchecked, &mut Scratch::default())? {
-                Contact::Links(a, b) => format!("in collision: {} touches {}", link(a), link(b)),
-                Contact::Obstacle(l, number) => format!("in collision: {} touches {}", link(l), around.obstacles[number].name),
-            });
-        }
-        Some(match contact(&self.group, &self.spheres, &self.unchecked, &around.parts, q, margin)? {
+        // With the obstacle's number.
+        let found = match self.among(around, margin) {
+            Some(among) => among.contact(q, &self.unchecked, &mut Scratch::default()),
+            None => match contact(&self.group, &self.spheres, &self.unchecked, &around.parts, q, margin) {
+                Some(Contact::Obstacle(l, part)) => Some(Contact::Obstacle(l, around.owners[part])),
+                found => found,
+            },
+        };
+        Some(match found? {
             Contact::Links(a, b) => format!("in collision: {} touches {}", link(a), link(b)),
-            Contact::Obstacle(l, part) => {
-                format!("in collision: {} touches {}", link(l), around.obstacles[around.owners[part]].name)
-            }
+            Contact::Obstacle(l, number) => format!("in collision: {} touches {}", link(l), around.obstacles[number].name),
         })
     }
 

@@ -1,6 +1,6 @@
 //! Shortcuts: the same path with fewer corners and less way.
 
-use crate::{MotionValidator, Path, Posture, distance, length};
+use crate::{MotionValidator, Path, Posture, between, distance, length};
 use clearway_plan::{Budget, Stop};
 use rand::{Rng, RngExt};
 
@@ -57,7 +57,7 @@ fn point_at(path: &[Posture], mut along: f64) -> (usize, Posture) {
         let d = distance(&w[0], &w[1]);
         if along <= d || i + 2 == path.len() {
             let t = if d > 0.0 { (along / d).min(1.0) } else { 0.0 };
-            return (i, w[0].iter().zip(&w[1]).map(|(a, b)| a + (b - a) * t).collect());
+            return (i, between(&w[0], &w[1], t));
         }
         along -= d;
     }

@@ -4,7 +4,7 @@
 //! What was validated once is not asked again: a cut corner's ends lie on motions known to be free,
 //! so that only the new motion between them is checked.
 
-use crate::{MotionValidator, Path, distance, length};
+use crate::{MotionValidator, Path, between, distance, length};
 use clearway_plan::{Budget, Stop};
 
 /// How hard to try.
@@ -81,8 +81,4 @@ fn cut_corners(validator: &mut impl MotionValidator, path: Path, least: f64, bud
     }
     cut.push(path[path.len() - 1].clone());
     Ok(cut)
-}
-
-fn between(a: &[f64], b: &[f64], part: f64) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a + (b - a) * part).collect()
 }

@@ -7,11 +7,16 @@ const SAME: f64 = 1e-4;
 
 /// The curve with all corners rounded as widely as goes, whatever that touches.
 pub fn roundest(path: &Path) -> Curve {
+    let path = distinct(path);
+    let corners = Corners::of(&path);
+    Curve::through(&corners, &corners.widest())
+}
+
+/// A path without waypoints in the same place as the one before.
+fn distinct(path: &Path) -> Path {
     let mut path = path.clone();
     path.dedup_by(|a, b| distance(a, b) < 1e-9);
-    let corners = Corners::of(&path);
-    let widest = corners.widest();
-    Curve::through(&corners, &widest)
+    path
 }
 
 /// Every corner is rounded as widely as possible, and less where the rounding would touch
@@ -19,8 +24,7 @@ pub fn roundest(path: &Path) -> Curve {
 /// with all that was rounded before it.
 pub fn smooth(space: &mut Space, path: &Path) -> Curve {
     const PARTS: usize = 24;
-    let mut path = path.clone();
-    path.dedup_by(|a, b| distance(a, b) < 1e-9);
+    let path = distinct(path);
     let corners = Corners::of(&path);
     let widest = corners.widest();
     let mut widths = vec![0.0; path.len()];

@@ -1,6 +1,6 @@
 //! The arm's postures at one moment: which are free, which motions are.
 
-use crate::{MotionValidator, Posture, distance};
+use crate::{MotionValidator, Posture, between, distance};
 use clearway_collision::lanes::{LANES, Suspects};
 use clearway_collision::{Moment, Probe, Quick, Scratch, Slack, Touch, World};
 use clearway_plan::ObjectSet;
@@ -185,21 +185,16 @@ impl<'a> Space<'a> {
         let mut postures: Vec<Posture> = Vec::new();
         for w in path.windows(2) {
             let count = (self.sweep(&w[0], &w[1]) / self.step).ceil().max(1.0) as usize;
-            let part = |i: usize| i as f64 / count as f64;
-            postures.extend((0..=count).map(|i| w[0].iter().zip(&w[1]).map(|(a, b)| a + (b - a) * part(i)).collect()));
+            postures.extend((0..=count).map(|i| between(&w[0], &w[1], i as f64 / count as f64)));
         }
         let mut all = ObjectSet::EMPTY;
         for some in postures.chunks(LANES) {
             if let Some(quick) = &mut self.quick {
                 quick.suspects(some, &mut self.suspects);
-                // Nothing new, and nothing fixed, for all that spheres tell.
-                if self.suspects.is_empty() {
-                    continue;
-                }
             }
             for (lane, q) in some.iter().enumerate() {
-                let asked = self.suspects.obstacles.iter().chain(&self.suspects.pairs).any(|s| s.lanes >> lane & 1 == 1);
-                if self.quick.is_some() && !asked {
+                // Where spheres touch nothing there is nothing to be told.
+                if self.quick.is_some() && !self.suspects.any_in(lane) {
                     continue;
                 }
                 match self.touched(q) {
@@ -214,11 +209,11 @@ impl<'a> Space<'a> {
 
 impl MotionValidator for Space<'_> {
     fn lower(&self) -> &[f64] {
-        &self.world.robot.lower
+        &self.world.model.robot.lower
     }
 
     fn upper(&self) -> &[f64] {
-        &self.world.robot.upper
+        &self.world.model.robot.upper
     }
 
     fn state_free(&mut self, q: &[f64]) -> bool {
@@ -233,12 +228,7 @@ impl MotionValidator for Space<'_> {
 /// A straight line as rows, sparse enough for few blocks, dense enough for few suspects.
 fn line(a: &[f64], b: &[f64]) -> Vec<Posture> {
     let count = (distance(a, b) * PER_RADIAN / 2.0).ceil().clamp(1.0, 1e4) as usize;
-    (0..=count)
-        .map(|i| {
-            let t = i as f64 / count as f64;
-            a.iter().zip(b).map(|(a, b)| a + (b - a) * t).collect()
-        })
-        .collect()
+    (0..=count).map(|i| between(a, b, i as f64 / count as f64)).collect()
 }
 
 /// A [`Space`] in which links are free only where the kernel says so: quick, and a little tight.
@@ -246,11 +236,11 @@ pub struct Surely<'s, 'a>(pub &'s mut Space<'a>);
 
 impl MotionValidator for Surely<'_, '_> {
     fn lower(&self) -> &[f64] {
-        &self.0.world.robot.lower
+        &self.0.world.model.robot.lower
     }
 
     fn upper(&self) -> &[f64] {
-        &self.0.world.robot.upper
+        &self.0.world.model.robot.upper
     }
 
     fn state_free(&mut self, q: &[f64]) -> bool {

@@ -1,8 +1,7 @@
 //! The joint space of any robot, asked of the collision kernel; and, where spheres only cover its
 //! links, of their own shapes when the spheres touch.
 
-use crate::MotionValidator;
-use crate::{Posture, distance};
+use crate::{MotionValidator, Posture, between, distance};
 use clearway_collision::lanes::{Around, Kernel, LANES, Lanes, Scratch, Suspects};
 use clearway_collision::shapes::Among;
 
@@ -55,10 +54,7 @@ impl<'a> SphereSpace<'a> {
         loop {
             let from = to.saturating_sub(LANES - 1);
             rows.clear();
-            rows.extend((from..=to).map(|i| {
-                let t = i as f64 / count as f64;
-                a.iter().zip(b).map(|(a, b)| a + (b - a) * t).collect::<Posture>()
-            }));
+            rows.extend((from..=to).map(|i| between(a, b, i as f64 / count as f64)));
             self.kernel.rows_suspects(rows, &self.around, &mut self.scratch, suspects);
             if !among.rows_clear(rows, suspects, scratch) {
                 return false;

@@ -3,7 +3,7 @@
 
 use clearway_geometry::distance::{closer_than, distance};
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
-use clearway_motion::{MotionPlanner, MotionSettings, MotionValidator, Obstacle, Surroundings, Trees};
+use clearway_motion::{MotionPlanner, MotionSettings, MotionValidator, Obstacle, Surroundings, Trees, between};
 use clearway_plan::Budget;
 use clearway_robot::{Group, Robot};
 use rand::{Rng, RngExt, SeedableRng};
@@ -141,7 +141,7 @@ fn paths_are_free_in_the_exact_shapes() {
             solved += 1;
             for line in found.path.windows(2) {
                 for i in 0..=400 {
-                    let q: Vec<f64> = line[0].iter().zip(&line[1]).map(|(a, b)| a + (b - a) * i as f64 / 400.0).collect();
+                    let q = between(&line[0], &line[1], i as f64 / 400.0);
                     assert!(!touches(&planner, &obstacles, &q, 0.0), "{name}: {q:?}");
                 }
             }

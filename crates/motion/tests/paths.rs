@@ -3,7 +3,7 @@
 
 use clearway_collision::{CollisionModel, Moment, Scratch, World};
 use clearway_motion::{
-    Halton, Limits, RrtSettings, Space, Trees, connect, distance, length, shorten, slowdowns, smooth, time_curve,
+    Halton, Limits, RrtSettings, Space, Trees, between, connect, distance, length, shorten, slowdowns, smooth, time_curve,
 };
 use clearway_plan::{Budget, ObjectSet};
 use clearway_robot::Robot;
@@ -21,15 +21,15 @@ fn paths_are_free_and_timed_within_limits() {
     let moment = Moment::new(ObjectSet::first(scene.objects.len()), 0.0, 0.002);
     let mut space = Space::new(&world, &moment, 0.01);
     let mut random = Xoshiro256PlusPlus::seed_from_u64(11);
-    let robot = &world.robot;
+    let robot = &world.model.robot;
     let limits =
         Limits { velocity: robot.velocity.clone(), acceleration: robot.acceleration.clone(), jerk: robot.jerk.clone() };
     let budget = Budget::unlimited();
     let mut trees = Trees::default();
     let (mut found, mut bent) = (0, 0);
     for _ in 0..60 {
-        let goal: Vec<f64> = world.robot.home.iter().map(|h| h + 3.0 * (random.random::<f64>() - 0.5)).collect();
-        let start = world.robot.home.clone();
+        let goal: Vec<f64> = world.model.robot.home.iter().map(|h| h + 3.0 * (random.random::<f64>() - 0.5)).collect();
+        let start = world.model.robot.home.clone();
         let mut halton = Halton::new(&space, 0);
         let settings = RrtSettings::default();
         let Some(path) =
@@ -53,7 +53,7 @@ fn paths_are_free_and_timed_within_limits() {
                 let count = (distance(&w[0], &w[1]) / 0.002).ceil().max(1.0) as usize;
                 for i in 0..=count {
                     let t = i as f64 / count as f64;
-                    let q: Vec<f64> = w[0].iter().zip(&w[1]).map(|(a, b)| a + (b - a) * t).collect();
+                    let q = between(&w[0], &w[1], t);
                     assert!(world.free(&q, &strict, &mut scratch));
                 }
             }

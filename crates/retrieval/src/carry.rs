@@ -8,7 +8,7 @@
 use crate::grasps::Grasp;
 use crate::place;
 use crate::ways::Way;
-use clearway_collision::{Held, Lean, Moment, Obstacle, RESTS_WITHIN, World};
+use clearway_collision::{Held, Lean, Moment, Obstacle, World};
 use clearway_geometry::{Mat3, Pose, Vec2, Vec3};
 use clearway_motion::{
     Limits, NearEnds, Path, Posture, RrtSettings, SimplifySettings, Space, Surely, Timed, Trees, connect,
@@ -149,7 +149,7 @@ impl<R: Rng> Carrier<'_, R> {
         let Some(entry) = way.postures.last().cloned() else {
             return obstructed("the way is empty", ObjectSet::EMPTY);
         };
-        let open = world.robot.hand.open();
+        let open = world.model.robot.hand.open();
         let mut free = Moment::new(before.standing, open, self.settings.margin);
         free.placed = before.placed.clone();
 
@@ -190,7 +190,7 @@ impl<R: Rng> Carrier<'_, R> {
             let mut home = leaving.clone();
             home.gripping = None;
             home.margin = self.settings.margin;
-            let rest = attempt!(self.free_motion(&home, &retreat_end, std::slice::from_ref(&world.robot.home), "the motion home"));
+            let rest = attempt!(self.free_motion(&home, &retreat_end, std::slice::from_ref(&world.model.robot.home), "the motion home"));
             back.extend(rest.into_iter().skip(1));
         }
         let back = attempt!(self.timed(&leaving, &back, None, "the retreat"));
@@ -250,21 +250,22 @@ impl<R: Rng> Carrier<'_, R> {
     /// Smooths and times a path, and checks every row. `resting_within`: near the path's ends, by
     /// this much of the tool's way, what is held may rest on what carries it.
     fn timed(&mut self, moment: &Moment, path: &Path, resting_within: Option<f64>, what: &'static str) -> Attempt<Timed> {
-        let robot = &self.world.robot;
+        let robot = &self.world.model.robot;
         let limits =
             Limits { velocity: robot.velocity.clone(), acceleration: robot.acceleration.clone(), jerk: robot.jerk.clone() };
         let mut lenient = moment.clone();
         lenient.resting = resting_within.is_some();
         let mut strict = Space::quick(self.world, moment, self.settings.final_step);
         let mut resting = Space::quick(self.world, &lenient, self.settings.final_step);
+        let mut timed = Timed::default();
         // As round as can be; where that touches something, only as round as is free.
-        let mut timed = time_curve(&roundest(path), &limits, self.settings.row);
         for careful in [false, true] {
             self.budget.check()?;
-            if careful {
-                let curve = smooth(&mut Space::quick(self.world, &lenient, self.settings.step), path);
-                timed = time_curve(&curve, &limits, self.settings.row);
-            }
+            let curve = match careful {
+                false => roundest(path),
+                true => smooth(&mut Space::quick(self.world, &lenient, self.settings.step), path),
+            };
+            timed = time_curve(&curve, &limits, self.settings.row);
             let rows = &timed.positions;
             if rows.len() < 2 {
                 return obstructed(what, ObjectSet::EMPTY);
@@ -387,7 +388,7 @@ impl<R: Rng> Carrier<'_, R> {
         if branches.is_empty() {
             return None;
         }
-        let (fixtures_below, objects_below) = world.below(object, &pose, RESTS_WITHIN);
+        let (fixtures_below, objects_below) = world.below(object, &pose);
         let mut held = Held {
             object,
             parts: world.carried[object.index()].clone(),
@@ -402,11 +403,11 @@ impl<R: Rng> Carrier<'_, R> {
         resting.resting = true;
         let mut lowering = resting.clone();
         lowering.resting = false;
-        let mut leaving = Moment::new(carrying.standing, world.robot.hand.open(), self.settings.margin);
+        let mut leaving = Moment::new(carrying.standing, world.model.robot.hand.open(), self.settings.margin);
         leaving.placed = carrying.placed.clone();
         leaving.placed.push((object, placed));
         leaving.gripping = Some(object);
-        let standoff = world.robot.grasps.standoff;
+        let standoff = world.model.robot.grasps.standoff;
         let mut resting = Space::quick(world, &resting, self.settings.step);
         let mut lowering = Space::quick(world, &lowering, self.settings.step);
         let mut leaving = Space::quick(world, &leaving, self.settings.step);
@@ -447,7 +448,7 @@ impl<R: Rng> Carrier<'_, R> {
     }
 
     fn step(&self, object: ObjectId, grasp: &Grasp, placed: &Pose, there: Timed, across: Timed, back: Timed) -> Step {
-        let robot = &self.world.robot;
+        let robot = &self.world.model.robot;
         let standoff = robot.grasps.standoff;
         let (open, closed) = (robot.hand.open(), grasp.closed);
         let held = |value: f64| -> BTreeMap<String, GripperValue> { self.gripper(GripperValue::Held(value)) };
@@ -481,7 +482,7 @@ impl<R: Rng> Carrier<'_, R> {
 
     /// The arm stands still while the hand's joint goes from one value to another.
     fn grip(&self, kind: SegmentKind, posture: &Posture, from: f64, to: f64) -> Segment {
-        let robot = &self.world.robot;
+        let robot = &self.world.model.robot;
         let speed = robot.hand.joint.map_or(f64::INFINITY, |j| robot.joints[j].velocity);
         // A cosine ramp is at its fastest π/2 times its mean.
         let needed = (to - from).abs() / speed * std::f64::consts::FRAC_PI_2 * 1.05;
@@ -497,7 +498,7 @@ impl<R: Rng> Carrier<'_, R> {
     }
 
     fn gripper(&self, value: GripperValue) -> BTreeMap<String, GripperValue> {
-        let robot = &self.world.robot;
+        let robot = &self.world.model.robot;
         match (&robot.hand.kind, robot.hand.joint) {
             (HandKind::Parallel, Some(joint)) => BTreeMap::from([(robot.joints[joint].name.clone(), value)]),
             _ => BTreeMap::new(),

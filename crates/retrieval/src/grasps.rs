@@ -29,7 +29,7 @@ const TOUCH: f64 = 0.0005;
 
 /// The grasps declared for an object, and how many were dropped because it is too wide.
 pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
-    let robot = &world.robot;
+    let robot = &world.model.robot;
     let solid = &world.solids[object.index()];
     let world_from_object = world.world_from_root * world.poses[object.index()];
     let mut poses: Vec<Pose> = Vec::new();
@@ -66,7 +66,7 @@ pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
 
 /// Whether the arm's last joint can make a whole turn.
 fn last_joint_turns_round(world: &World) -> bool {
-    let robot = &world.robot;
+    let robot = &world.model.robot;
     robot.lower.last().zip(robot.upper.last()).is_some_and(|(low, high)| high - low >= TAU)
 }
 
@@ -128,13 +128,13 @@ struct Fingers<'a> {
 impl<'a> Fingers<'a> {
     fn new(world: &'a World) -> Self {
         const STAGES: usize = 96;
-        let hand = &world.robot.hand;
+        let hand = &world.model.robot.hand;
         let mut frames = Vec::new();
         let stages = (0..=STAGES)
             .map(|i| {
                 let gap = hand.widest() * (1.0 - i as f64 / STAGES as f64);
                 let value = hand.joint_at(gap);
-                world.model.kinematics.frames(&world.robot.home, value, &mut frames);
+                world.model.kinematics.frames(&world.model.robot.home, value, &mut frames);
                 let back = frames[world.model.kinematics.tool].inverse();
                 (value, hand.links.iter().map(|&l| (l, back * frames[l])).collect())
             })
@@ -176,9 +176,9 @@ impl<'a> Fingers<'a> {
         let mut frames = Vec::new();
         for _ in 0..12 {
             let middle = (open + shut) / 2.0;
-            self.world.model.kinematics.frames(&self.world.robot.home, middle, &mut frames);
+            self.world.model.kinematics.frames(&self.world.model.robot.home, middle, &mut frames);
             let back = frames[self.world.model.kinematics.tool].inverse();
-            let links: Vec<(usize, Pose)> = self.world.robot.hand.links.iter().map(|&l| (l, back * frames[l])).collect();
+            let links: Vec<(usize, Pose)> = self.world.model.robot.hand.links.iter().map(|&l| (l, back * frames[l])).collect();
             if near(self.world, &links, solid, &tool_from_object, 2e-5) { shut = middle } else { open = middle }
         }
         self.last = Some((width, level, open));
@@ -192,7 +192,7 @@ impl<'a> Fingers<'a> {
 
 fn near(world: &World, links: &[(usize, Pose)], solid: &Solid, tool_from_object: &Pose, margin: f64) -> bool {
     links.iter().any(|(link, tool_from_link)| {
-        world.robot.links[*link].collision.parts.iter().any(|(part, convex)| {
+        world.model.robot.links[*link].collision.parts.iter().any(|(part, convex)| {
             let pose = *tool_from_link * *part;
             solid.parts.iter().any(|(p, c)| closer_than(convex, &pose, c, &(*tool_from_object * *p), margin))
         })

@@ -122,7 +122,7 @@ impl Planner {
     /// A session for one of several scenes with the same robot, which is made ready only once.
     pub fn with_model(scene: Scene, model: Arc<CollisionModel>, settings: Settings) -> Result<Self, Unfit> {
         let world = World::new(model, &scene);
-        let robot = world.robot.clone();
+        let robot = world.model.robot.clone();
         let inverse = InverseKinematics::new(&robot, &world.model.kinematics);
         let start = start_posture(&scene, &robot)?;
         let moment = Moment::new(ObjectSet::first(scene.objects.len()), robot.hand.open(), 0.0);
@@ -149,7 +149,7 @@ impl Planner {
     }
 
     pub fn robot(&self) -> &Arc<Robot> {
-        &self.world.robot
+        &self.world.model.robot
     }
 
     /// Takes a change in. What was learned is kept where it still holds: all of it when only the
@@ -157,7 +157,7 @@ impl Planner {
     pub fn update(&mut self, delta: SceneDelta) -> Result<(), Unfit> {
         match delta {
             SceneDelta::Posture(posture) => {
-                let moment = Moment::new(ObjectSet::first(self.scene.objects.len()), self.world.robot.hand.open(), 0.0);
+                let moment = Moment::new(ObjectSet::first(self.scene.objects.len()), self.world.model.robot.hand.open(), 0.0);
                 let contacts = self.world.contacts(&self.scene, &posture, &moment, 1e-5);
                 if !contacts.is_empty() {
                     return Err(Unfit::StartInCollision(contacts));
@@ -166,7 +166,7 @@ impl Planner {
             }
             SceneDelta::Scene(scene) => {
                 self.world.set_scene(&scene);
-                self.floor = Floor::new(&scene, &self.world.robot);
+                self.floor = Floor::new(&scene, &self.world.model.robot);
                 self.roadmap = Roadmap::new(&self.floor);
                 self.graph = new_graph(&scene);
                 self.ways = vec![None; scene.objects.len()];
@@ -237,20 +237,21 @@ impl Planner {
         let target = self.scene.target;
         let count = self.scene.objects.len();
         run.budget.check()?;
-        self.see_all(target, run)?;
+        let budget = &run.budget;
+        self.look(target, budget, |explorer, ways, scratch| explorer.see_all(target, ways, scratch, budget))?;
         if self.ways_of(target).is_some_and(|w| w.ways.is_empty()) && self.proved_out_of_reach(target, run)? {
             return Ok(Outcome::Impossible);
         }
         let mut limit = match self.settings.first_limit {
             FirstLimit::One => 1,
-            FirstLimit::GraspCover => 1 + self.minimal_sets(target, count, run)?.iter().map(ObjectSet::len).min().unwrap_or(0),
+            FirstLimit::GraspCover => 1 + self.minimal_sets(target, count, &run.budget)?.iter().map(ObjectSet::len).min().unwrap_or(0),
             FirstLimit::All => count,
         };
         loop {
             run.budget.iteration()?;
             run.stats.iterations += 1;
             run.stats.exploration_limit = limit;
-            self.look_up_to(limit, run)?;
+            self.look_up_to(limit, &run.budget)?;
             // What is known may do; then the roadmap need not grow.
             if !self.settings.as_in_paper
                 && let Some(sequence) = self.check_all(limit, run)?
@@ -284,26 +285,23 @@ impl Planner {
     /// Looks into all ways of the objects that came up: whoever is told that there is no plan wants to
     /// know what stands in the way.
     fn look_at_all(&mut self) {
-        for (index, ways) in self.ways.iter_mut().enumerate() {
-            let Some(ways) = ways else { continue };
-            let object = ObjectId(index as u16);
-            let partial = self.partial_ways.contains(object);
-            let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, partial);
+        let budget = Budget::unlimited();
+        for index in (0..self.ways.len()).filter(|&i| self.ways[i].is_some()).collect::<Vec<_>>() {
             // Without a limit nothing stops it.
-            let _ = explorer.minimal_sets(object, ways, ObjectSet::CAPACITY, &mut self.scratch, &Budget::unlimited());
+            let _ = self.minimal_sets(ObjectId(index as u16), ObjectSet::CAPACITY, &budget);
         }
     }
 
     /// Tells the graph the sets that a raised limit lets count: ways that more objects stand in are
     /// not looked into before.
-    fn look_up_to(&mut self, limit: usize, run: &Run) -> Result<(), Stop> {
+    fn look_up_to(&mut self, limit: usize, budget: &Budget) -> Result<(), Stop> {
         let target = self.scene.target;
         if !self.settings.as_in_paper {
-            self.allow_partial(target, run)?;
-            let direct = self.minimal_sets(target, most_in_way(limit, true), run)?;
+            self.allow_partial(target, budget)?;
+            let direct = self.minimal_sets(target, most_in_way(limit, true), budget)?;
             self.graph.add_direct(&direct);
             for object in self.graph.complete() {
-                let sets = self.minimal_sets(object, most_in_way(limit, false), run)?;
+                let sets = self.minimal_sets(object, most_in_way(limit, false), budget)?;
                 self.graph.add_ways(object, &sets);
             }
         }
@@ -328,14 +326,14 @@ impl Planner {
         let mut removed = ObjectSet::EMPTY;
         let mut needs: Vec<(ObjectId, ObjectSet)> = Vec::new();
         for &object in &sequence.objects {
-            let mut free = self.first_free_way(object, &removed, run)?;
-            if free.is_none() && self.allow_partial(object, run)? {
-                free = self.first_free_way(object, &removed, run)?;
+            let mut free = self.first_free_way(object, &removed, &run.budget)?;
+            if free.is_none() && self.allow_partial(object, &run.budget)? {
+                free = self.first_free_way(object, &removed, &run.budget)?;
             }
             let Some(first) = free else {
                 let is_target = object == self.scene.target;
                 let most = if self.settings.as_in_paper { self.scene.objects.len() } else { most_in_way(limit, is_target) };
-                let mut sets = self.minimal_sets(object, most, run)?;
+                let mut sets = self.minimal_sets(object, most, &run.budget)?;
                 if self.settings.as_in_paper {
                     sets.truncate(1);
                 }
@@ -360,24 +358,22 @@ impl Planner {
         Ok(carried?.then_some(sequence))
     }
 
-    fn first_free_way(&mut self, object: ObjectId, removed: &ObjectSet, run: &Run) -> Result<Option<usize>, Stop> {
-        let free = self.free_ways(object, removed, 1, run)?;
+    /// A way that is free once `removed` is gone: straight out, or along the roadmap's route.
+    fn first_free_way(&mut self, object: ObjectId, removed: &ObjectSet, budget: &Budget) -> Result<Option<usize>, Stop> {
+        let free = self.free_ways(object, removed, 1, budget)?;
         Ok(match free.first() {
             Some(first) => Some(*first),
-            // Not straight; but the roadmap may show a way round what still stands.
-            None if self.add_route(object, removed) => self.free_ways(object, removed, 1, run)?.first().copied(),
+            // The roadmap may show a way round what still stands.
+            None if self.add_route(object, removed) => self.free_ways(object, removed, 1, budget)?.first().copied(),
             None => None,
         })
     }
 
     /// Lets ways to an object end among the clutter when no other lead to it, whatever is removed.
-    fn allow_partial(&mut self, object: ObjectId, run: &Run) -> Result<bool, Stop> {
-        self.explore(object, run)?;
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, false);
-        let Some(ways) = self.ways[object.index()].as_mut() else { return Ok(false) };
+    fn allow_partial(&mut self, object: ObjectId, budget: &Budget) -> Result<bool, Stop> {
         if self.settings.as_in_paper
             || self.partial_ways.contains(object)
-            || explorer.any_clear(object, ways, &mut self.scratch, &run.budget)?
+            || self.look(object, budget, |explorer, ways, scratch| explorer.any_clear(object, ways, scratch, budget))?
         {
             return Ok(false);
         }
@@ -392,9 +388,8 @@ impl Planner {
         if route.len() < 3 {
             return false;
         }
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways.contains(object));
         if let Some(ways) = self.ways[object.index()].as_mut() {
-            explorer.add_route(ways, &route);
+            ways.add_route(&route);
         }
         true
     }
@@ -449,7 +444,7 @@ impl Planner {
         let mut blamed = Vec::new();
         for tried in 0..WAYS_TRIED {
             // Those that failed least come first.
-            let candidates = self.free_ways(object, removed, tried + 1, run)?;
+            let candidates = self.free_ways(object, removed, tried + 1, &run.budget)?;
             let Some(ways) = self.ways[object.index()].as_mut() else { break };
             let (Some(&index), true) = (candidates.first(), candidates.len() > tried) else { break };
             let mut carrier = Carrier {
@@ -494,39 +489,34 @@ impl Planner {
         self.ways[object.index()].as_ref()
     }
 
-    fn explore(&mut self, object: ObjectId, run: &Run) -> Result<(), Stop> {
-        if self.ways[object.index()].is_none() {
-            let found = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways.contains(object)).explore(object, &run.budget)?;
-            self.ways[object.index()] = Some(found);
-        }
-        Ok(())
+    /// Looks into an object's ways, which are found first if they were not.
+    fn look<T>(
+        &mut self,
+        object: ObjectId,
+        budget: &Budget,
+        into: impl FnOnce(&Explorer, &mut Ways, &mut Scratch) -> Result<T, Stop>,
+    ) -> Result<T, Stop> {
+        let explorer = Explorer {
+            world: &self.world,
+            inverse: &self.inverse,
+            floor: &self.floor,
+            settings: &self.settings.ways,
+            all: ObjectSet::first(self.scene.objects.len()),
+            partial: self.partial_ways.contains(object),
+        };
+        let ways = match &mut self.ways[object.index()] {
+            Some(ways) => ways,
+            none => none.insert(explorer.explore(object, budget)?),
+        };
+        into(&explorer, ways, &mut self.scratch)
     }
 
-    fn see_all(&mut self, object: ObjectId, run: &Run) -> Result<(), Stop> {
-        self.explore(object, run)?;
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways.contains(object));
-        match self.ways[object.index()].as_mut() {
-            Some(ways) => explorer.see_all(object, ways, &mut self.scratch, &run.budget),
-            None => Ok(()),
-        }
+    fn free_ways(&mut self, object: ObjectId, removed: &ObjectSet, most: usize, budget: &Budget) -> Result<Vec<usize>, Stop> {
+        self.look(object, budget, |explorer, ways, scratch| explorer.free_ways(object, ways, removed, most, scratch, budget))
     }
 
-    fn free_ways(&mut self, object: ObjectId, removed: &ObjectSet, most: usize, run: &Run) -> Result<Vec<usize>, Stop> {
-        self.explore(object, run)?;
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways.contains(object));
-        match self.ways[object.index()].as_mut() {
-            Some(ways) => explorer.free_ways(object, ways, removed, most, &mut self.scratch, &run.budget),
-            None => Ok(Vec::new()),
-        }
-    }
-
-    fn minimal_sets(&mut self, object: ObjectId, most: usize, run: &Run) -> Result<Vec<ObjectSet>, Stop> {
-        self.explore(object, run)?;
-        let explorer = explorer(&self.world, &self.inverse, &self.floor, &self.settings, &self.scene, self.partial_ways.contains(object));
-        match self.ways[object.index()].as_mut() {
-            Some(ways) => explorer.minimal_sets(object, ways, most, &mut self.scratch, &run.budget),
-            None => Ok(Vec::new()),
-        }
+    fn minimal_sets(&mut self, object: ObjectId, most: usize, budget: &Budget) -> Result<Vec<ObjectSet>, Stop> {
+        self.look(object, budget, |explorer, ways, scratch| explorer.minimal_sets(object, ways, most, scratch, budget))
     }
 
     /// Whether every declared grasp fails for a reason that removing objects cannot mend, by a
@@ -537,13 +527,13 @@ impl Planner {
         if !ways.grasps.is_empty() && !self.inverse.complete() {
             return Ok(false);
         }
-        let mut moment = Moment::new(ObjectSet::EMPTY, self.world.robot.hand.open(), 0.0);
+        let mut moment = Moment::new(ObjectSet::EMPTY, self.world.model.robot.hand.open(), 0.0);
         moment.gripping = Some(object);
         let grasps: Vec<_> = ways.grasps.iter().map(|g| g.object_from_tool).collect();
         for object_from_tool in grasps {
             run.budget.check()?;
             let at = self.world.poses[object.index()] * object_from_tool;
-            for posture in self.inverse.solve(&at, &self.world.robot.home) {
+            for posture in self.inverse.solve(&at, &self.world.model.robot.home) {
                 if self.world.touched(&posture, &moment, &mut self.scratch) != Touch::Fixed {
                     return Ok(false);
                 }
@@ -575,17 +565,6 @@ enum Outcome {
     Solved(Sequence),
     Impossible,
     Stopped(Stop),
-}
-
-fn explorer<'a>(
-    world: &'a World,
-    inverse: &'a InverseKinematics,
-    floor: &'a Floor,
-    settings: &'a Settings,
-    scene: &Scene,
-    partial: bool,
-) -> Explorer<'a> {
-    Explorer { world, inverse, floor, settings: &settings.ways, all: ObjectSet::first(scene.objects.len()), partial }
 }
 
 fn new_graph(scene: &Scene) -> RetrievalGraph {

@@ -49,7 +49,7 @@ pub fn plan_file(
         status,
         seed: 0,
         scene: view.scene.file.clone(),
-        robot: planned_robot(&view.world.robot, &view.world.model.unchecked, view.scene),
+        robot: planned_robot(&view.world.model.robot, &view.world.model.unchecked, view.scene),
         removed,
         lower_bound,
         steps: carried.into_iter().map(|c| c.step).collect(),
@@ -224,7 +224,7 @@ fn learned(view: &View, object: ObjectId) -> ObjectWhy {
     let sets = ObjectSet::minimal(ways.ways.iter().filter(|w| w.stage == Stage::Exact).map(|w| w.blocked_by).collect());
     ObjectWhy {
         blocked_by: sets.iter().filter(|s| !s.is_empty()).map(|s| s.names(&view.scene.names)).collect(),
-        grasps: ways.counts.list(),
+        grasps: ways.grasp_counts(),
         ..ObjectWhy::default()
     }
 }

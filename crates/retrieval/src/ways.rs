@@ -92,7 +92,7 @@ pub struct Ways {
     straight: usize,
 }
 
-/// What became of the grasp postures.
+/// What became of the grasp postures looked at.
 #[derive(Clone, Debug, Default)]
 pub struct Counts {
     pub too_wide: usize,
@@ -102,19 +102,16 @@ pub struct Counts {
     /// The hand cannot come straight from the standoff: out of reach, a fixture, or the arm itself.
     pub fixed_on_approach: usize,
     pub ways: usize,
-    /// Not looked at yet.
-    pub unseen: usize,
 }
 
 impl Counts {
-    pub fn list(&self) -> Vec<GraspCount> {
+    fn list(&self) -> Vec<GraspCount> {
         [
             ("too wide for the hand there, or not reached by the fingers", self.too_wide),
             ("out of the arm's reach", self.out_of_reach),
             ("the arm meets a fixture or itself at the grasp", self.fixed_at_grasp),
             ("the straight approach meets a fixture, the arm itself, or the end of reach", self.fixed_on_approach),
             ("a way in, free but for movable objects", self.ways),
-            ("not looked at: there were ways enough", self.unseen),
         ]
         .into_iter()
         .filter(|(_, count)| *count > 0)
@@ -124,6 +121,33 @@ impl Counts {
 
     pub fn total(&self) -> usize {
         self.too_wide + self.out_of_reach + self.fixed_at_grasp + self.fixed_on_approach + self.ways
+    }
+}
+
+impl Ways {
+    /// Adds ways that draw the object out along a route: world points, the first where it stands.
+    pub fn add_route(&mut self, route: &[Vec2]) {
+        let Some(first) = route.first() else { return };
+        let offsets: Arc<Vec<Vec2>> = Arc::new(route.iter().map(|p| *p - *first).collect());
+        for i in 0..self.straight {
+            // What the grasp posture touches is known from the straight way with the same posture.
+            let way = &self.ways[i];
+            self.ways.push(Way {
+                postures: vec![way.postures[0].clone()],
+                stage: Stage::Grasp,
+                route: offsets.clone(),
+                ..way.clone()
+            });
+        }
+    }
+
+    /// What became of the grasp postures, those not looked at included.
+    pub fn grasp_counts(&self) -> Vec<GraspCount> {
+        let mut counts = self.counts.list();
+        if !self.unseen.is_empty() {
+            counts.push(GraspCount { outcome: "not looked at: there were ways enough".to_owned(), count: self.unseen.len() });
+        }
+        counts
     }
 }
 
@@ -144,7 +168,7 @@ impl Explorer<'_> {
     pub fn explore(&self, object: ObjectId, budget: &Budget) -> Result<Ways, Stop> {
         let (grasps, too_wide) = preset_grasps(self.world, object);
         let mut found = Ways { counts: Counts { too_wide, ..Counts::default() }, ..Ways::default() };
-        let home = &self.world.robot.home;
+        let home = &self.world.model.robot.home;
         for (index, grasp) in grasps.iter().enumerate() {
             budget.check()?;
             let root_from_tool = self.world.poses[object.index()] * grasp.object_from_tool;
@@ -154,7 +178,6 @@ impl Explorer<'_> {
         }
         // Ways that end near the resting posture are taken first, so they are looked at first.
         found.unseen.sort_by_cached_key(|(_, q)| std::cmp::Reverse((distance(q, home) * 1e9) as u64));
-        found.counts.unseen = found.unseen.len();
         found.grasps = grasps;
         Ok(found)
     }
@@ -163,7 +186,6 @@ impl Explorer<'_> {
     fn see(&self, object: ObjectId, found: &mut Ways, scratch: &mut Scratch) -> bool {
         let some = found.unseen.split_off(found.unseen.len().saturating_sub(LANES));
         let Some((first, _)) = some.first() else { return false };
-        found.counts.unseen -= some.len();
         let moment = |grasp: usize| Moment { resting: true, ..self.moment(object, &found.grasps[grasp]) };
         let mut suspects = Suspects::default();
         let postures: Vec<Posture> = some.iter().map(|(_, q)| q.clone()).collect();
@@ -203,22 +225,6 @@ impl Explorer<'_> {
         Ok(())
     }
 
-    /// Adds ways that draw the object out along a route: world points, the first where it stands.
-    pub fn add_route(&self, ways: &mut Ways, route: &[Vec2]) {
-        let Some(first) = route.first() else { return };
-        let offsets: Arc<Vec<Vec2>> = Arc::new(route.iter().map(|p| *p - *first).collect());
-        for i in 0..ways.straight {
-            // What the grasp posture touches is known from the straight way with the same posture.
-            let way = &ways.ways[i];
-            ways.ways.push(Way {
-                postures: vec![way.postures[0].clone()],
-                stage: Stage::Grasp,
-                route: offsets.clone(),
-                ..way.clone()
-            });
-        }
-    }
-
     /// Looks one stage further into a way, as long as no more than `most` objects turn out to be in
     /// it. A way that is none is removed.
     fn advance(&self, object: ObjectId, ways: &mut Ways, index: usize, most: usize, scratch: &mut Scratch) {
@@ -252,7 +258,7 @@ impl Explorer<'_> {
         let start = world.poses[object.index()] * grasp.object_from_tool;
         let back = -start.rotation.z_axis;
         let lifted = start.translation + world.up() * self.settings.lift;
-        let standoff = world.robot.grasps.standoff;
+        let standoff = world.model.robot.grasps.standoff;
         let standing = world.world_from_root * world.poses[object.index()];
         let below = standing.translation.z - world.solids[object.index()].aabb(standing).0.z;
         // Along a bend the hand comes in sideways in the end: it must not sweep through the object.
@@ -325,7 +331,7 @@ impl Explorer<'_> {
     fn moment(&self, object: ObjectId, grasp: &Grasp) -> Moment {
         let world = self.world;
         let (fixtures_below, objects_below) = world.carriers[object.index()].clone();
-        let mut moment = Moment::new(self.all.difference(ObjectSet::of(object)), world.robot.hand.open(), self.settings.margin);
+        let mut moment = Moment::new(self.all.difference(ObjectSet::of(object)), world.model.robot.hand.open(), self.settings.margin);
         moment.held_margin = self.settings.held_margin;
         moment.held = Some(Held {
             object,
@@ -344,8 +350,8 @@ impl Explorer<'_> {
     }
 
     /// Ways that are free once `removed` is gone, as many as `most`; each is exact. Those that lead
-    /// out of the clutter come first, then those that failed least
-    /// often, then those that end near the resting posture.
+    /// out of the clutter come first, then those that failed least often, then those that end near
+    /// the resting posture.
     pub fn free_ways(
         &self,
         object: ObjectId,
@@ -379,7 +385,7 @@ impl Explorer<'_> {
             i += 1;
         }
         let mut free: Vec<usize> = self.free_now(ways, removed).collect();
-        let home = &self.world.robot.home;
+        let home = &self.world.model.robot.home;
         let from_home = |i: usize| ways.ways[i].postures.last().map_or(f64::INFINITY, |q| distance(q, home));
         let key = |i: usize| (!ways.ways[i].clear, ways.ways[i].failures);
         free.sort_by(|&a, &b| key(a).cmp(&key(b)).then(from_home(a).total_cmp(&from_home(b))));

@@ -34,6 +34,13 @@ pub struct Group {
     pub disabled_pairs: BTreeSet<(usize, usize)>,
 }
 
+/// The point of an additive sequence, which fills a box evenly, by axis.
+pub fn spread(sample: usize, ranges: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
+    // A step of the plastic number's kin per axis.
+    let part = |axis: usize| (0.5 + (sample + 1) as f64 * (0.754_877_666 + 0.137 * axis as f64).fract()).fract();
+    ranges.enumerate().map(|(axis, (low, high))| low + (high - low) * part(axis)).collect()
+}
+
 impl Group {
     /// Reads a URDF and, if given, an SRDF. Without `names`, all joints that move on their own are
     /// planned for, in the order of the tree.
@@ -109,6 +116,11 @@ impl Group {
             (Some(&l), Some(&u)) => (if l.is_finite() { l } else { -pi }, if u.is_finite() { u } else { pi }),
             _ => (self.hand[0].min(self.hand[1]), self.hand[0].max(self.hand[1])),
         }
+    }
+
+    /// One of the postures spread evenly over the joints' ranges, the same every time.
+    pub fn spread(&self, sample: usize) -> Vec<f64> {
+        spread(sample, (0..self.lower.len()).map(|j| self.range(j)))
     }
 
     /// One more link, the last: something that `link` holds, at `link_from_solid`, and that the

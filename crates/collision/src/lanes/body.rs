@@ -4,7 +4,7 @@
 use super::chain::Chain;
 use super::never::Relative;
 use super::vector::{LANES, Lanes};
-use clearway_geometry::{Pose, Solid, Vec3};
+use clearway_geometry::{Convex, Pose, Solid, Vec3};
 use clearway_robot::{Group, Motion, Sphere, bounding_sphere};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -92,14 +92,13 @@ pub struct Body {
     pub reach: Vec<Vec<Lanes>>,
     /// By group of sixteen: the least radius of a part's balls, of a pair's sums.
     pub least: Vec<Lanes>,
-    /// Pairs of links never checked.
-    pub unchecked: Vec<(usize, usize)>,
     pub self_margin: f32,
 }
 
 impl Body {
-    /// `spheres` by link, in the links' frames. Links without spheres are not seen.
-    pub fn new(group: &Group, spheres: &[Vec<Sphere>], unchecked: Vec<(usize, usize)>, settings: &Settings) -> Body {
+    /// `spheres` by link, in the links' frames. Links without spheres are not seen; pairs of links
+    /// in `unchecked` are never checked.
+    pub fn new(group: &Group, spheres: &[Vec<Sphere>], unchecked: &[(usize, usize)], settings: &Settings) -> Body {
         let chain = Chain::new(&group.kinematics);
         let mut body = Body {
             chain,
@@ -111,7 +110,6 @@ impl Body {
             partners: Vec::new(),
             reach: Vec::new(),
             least: Vec::new(),
-            unchecked,
             self_margin: settings.self_margin as f32,
         };
         // By part: which of its link's spheres it has, in order.
@@ -130,7 +128,7 @@ impl Body {
                 body.inner.extend(part.iter().map(depth));
             });
         }
-        body.add_pairs(group, spheres, &members, settings);
+        body.add_pairs(group, spheres, &members, unchecked, settings);
         body.measure(group);
         body
     }
@@ -143,13 +141,20 @@ impl Body {
     }
 
     /// `members`: by part, which of its link's spheres it has.
-    fn add_pairs(&mut self, group: &Group, spheres: &[Vec<Sphere>], members: &[Vec<usize>], settings: &Settings) {
+    fn add_pairs(
+        &mut self,
+        group: &Group,
+        spheres: &[Vec<Sphere>],
+        members: &[Vec<usize>],
+        unchecked: &[(usize, usize)],
+        settings: &Settings,
+    ) {
         let frame = |link: usize| self.chain.seats[link].frame;
         let mut meet: BTreeMap<(usize, usize), Vec<Vec<bool>>> = BTreeMap::new();
         for a in 0..spheres.len() {
             for b in a + 1..spheres.len() {
                 let shaped = !spheres[a].is_empty() && !spheres[b].is_empty();
-                if shaped && frame(a) != frame(b) && !self.unchecked.contains(&(a, b)) {
+                if shaped && frame(a) != frame(b) && !unchecked.contains(&(a, b)) {
                     let relative = Relative::new(group, a, b);
                     meet.insert((a, b), relative.could_meet(&spheres[a], &spheres[b], settings.self_margin));
                 }
@@ -281,7 +286,7 @@ fn divide(spheres: &mut [(usize, Sphere)], settings: &Settings, found: &mut impl
 /// By variable: how far a unit of it moves any of `points` (in the frame that carries `link`), at
 /// most; 0 where it does not. From the point inwards, lengths along the chain are added up; the
 /// first turning joint counts only what is across its own axis.
-pub(crate) fn reach_of(group: &Group, link: usize, frame_from_link: &Pose, points: &[Vec3]) -> Vec<f64> {
+fn reach_of(group: &Group, link: usize, frame_from_link: &Pose, points: &[Vec3]) -> Vec<f64> {
     let mut most: Vec<f64> = vec![0.0; group.kinematics.arm_joints + 1];
     let steps = group.kinematics.steps();
     let in_link: Vec<Vec3> = points.iter().map(|p| frame_from_link.inverse_point(*p)).collect();
@@ -324,4 +329,28 @@ pub(crate) fn reach_of(group: &Group, link: usize, frame_from_link: &Pose, point
         most.iter_mut().zip(reach).for_each(|(m, r)| *m = m.max(r));
     }
     most
+}
+
+/// The same for all points of a link's own shapes.
+pub(crate) fn reach_of_link(group: &Group, link: usize) -> Vec<f64> {
+    reach_of(group, link, &Pose::IDENTITY, &corners(&group.links[link].collision))
+}
+
+/// Points whose hull holds a solid: distances from an axis are greatest at one of them.
+fn corners(solid: &Solid) -> Vec<Vec3> {
+    let boxed = |half: Vec3| -> Vec<Vec3> {
+        let sign = |i: u32, bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
+        (0..8).map(|i| half * Vec3::new(sign(i, 0), sign(i, 1), sign(i, 2))).collect()
+    };
+    let part = |(pose, convex): &(Pose, Convex)| -> Vec<Vec3> {
+        let own = match convex {
+            Convex::Sphere { radius } => boxed(Vec3::splat(*radius)),
+            Convex::Capsule { radius, half } => boxed(Vec3::new(*radius, *radius, half + radius)),
+            Convex::Cylinder { radius, half } => boxed(Vec3::new(*radius, *radius, *half)),
+            Convex::Box { half } => boxed(*half),
+            Convex::Hull(hull) => hull.points.clone(),
+        };
+        own.into_iter().map(|p| pose.point(p)).collect()
+    };
+    solid.parts.iter().flat_map(part).collect()
 }

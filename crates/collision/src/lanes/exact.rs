@@ -83,14 +83,7 @@ pub fn unchecked_pairs(group: &Group, spheres: &[Vec<Sphere>]) -> Vec<(usize, us
     }
     let mut frames = Vec::new();
     for sample in 0..SAMPLES {
-        // An additive sequence spreads the postures evenly.
-        let q: Vec<f64> = (0..group.lower.len())
-            .map(|j| {
-                let (low, high) = group.range(j);
-                low + (high - low) * (0.5 + (sample + 1) as f64 * (0.754_877_666 + 0.137 * j as f64).fract()).fract()
-            })
-            .collect();
-        group.kinematics.frames(&q, group.hand[0], &mut frames);
+        group.kinematics.frames(&group.spread(sample), group.hand[0], &mut frames);
         asked.retain(|&(a, b)| {
             spheres_touch(&spheres[a], &frames[a], &spheres[b], &frames[b]) && shapes_touch(group, a, b, &frames)
         });
@@ -100,7 +93,8 @@ pub fn unchecked_pairs(group: &Group, spheres: &[Vec<Sphere>]) -> Vec<(usize, us
     unchecked
 }
 
-fn spheres_touch(own: &[Sphere], root_from_own: &Pose, others: &[Sphere], root_from_others: &Pose) -> bool {
+/// Whether spheres of two links touch, each with its link's frame.
+pub(super) fn spheres_touch(own: &[Sphere], root_from_own: &Pose, others: &[Sphere], root_from_others: &Pose) -> bool {
     let placed: Vec<Sphere> =
         others.iter().map(|t| Sphere { centre: root_from_others.point(t.centre), ..*t }).collect();
     own.iter().any(|s| {

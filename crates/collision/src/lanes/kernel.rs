@@ -13,16 +13,21 @@
 //! that touch are found out in their first batch. Obstacles that a part cannot reach during the
 //! motion are dismissed once per motion. A link's spheres are placed only when its bound touches.
 
-use super::body::{Body, Part};
+use super::body::{Body, Part, Settings as BodySettings};
 use super::chain::Frame;
-use super::neighbours::Neighbours;
+use super::neighbours::{self, Neighbours};
+use super::never::Relative;
+use super::suspects::{Suspects, note};
 use super::obstacles::Obstacles;
 use super::vector::{LANES, Lanes, Point, bits, counting, load, splat, store};
+use clearway_robot::{Group, Sphere};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x16};
 use std::sync::Arc;
 
 /// Added to every radius, metres: more than f32 loses over a chain of links.
 pub const ROUNDING: f32 = 1e-5;
+/// Work spent on proving that two links never meet, in boxes of joint values.
+const MOST_BOXES: usize = 1000;
 /// How often a stretch is sampled four times finer.
 const FINEST: u32 = 3;
 
@@ -94,54 +99,25 @@ pub struct Scratch {
     pub motions: u64,
 }
 
-/// Two things that may touch: a link and the owner of an obstacle, or two links.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Suspect {
-    pub link: usize,
-    pub other: usize,
-    /// In which of the sixteen configurations.
-    pub lanes: u16,
-    /// In which of them they touch without doubt: not the spheres alone, the shapes, too.
-    pub sure: u16,
-}
-
-/// All that the spheres of some configurations touch. Nothing else is touched by the links.
-#[derive(Clone, Debug, Default)]
-pub struct Suspects {
-    pub obstacles: Vec<Suspect>,
-    pub pairs: Vec<Suspect>,
-}
-
-impl Suspects {
-    pub fn is_empty(&self) -> bool {
-        self.obstacles.is_empty() && self.pairs.is_empty()
-    }
-
-    /// Whether any two touch without doubt.
-    pub fn any_sure(&self) -> bool {
-        self.obstacles.iter().chain(&self.pairs).any(|s| s.sure != 0)
-    }
-
-    fn clear(&mut self) {
-        self.obstacles.clear();
-        self.pairs.clear();
-    }
-}
-
-fn note(suspects: &mut Vec<Suspect>, (link, other): (usize, usize), (lanes, sure): (u32, u32)) {
-    let (lanes, sure) = (lanes as u16, sure as u16);
-    match suspects.iter_mut().find(|s| s.link == link && s.other == other) {
-        Some(known) => {
-            known.lanes |= lanes;
-            known.sure |= sure;
-        }
-        None => suspects.push(Suspect { link, other, lanes, sure }),
-    }
-}
-
 impl Kernel {
     pub fn new(body: Body) -> Self {
         Self { body, level: Level::new(), neighbours: Arc::default() }
+    }
+
+    /// For links that `spheres` only cover. Pairs that their own shapes prove apart are left out, and
+    /// near neighbours are asked by tables; `unchecked` are never checked.
+    pub fn of_covers(group: &Group, spheres: &[Vec<Sphere>], mut unchecked: Vec<(usize, usize)>, settings: &BodySettings) -> Self {
+        let links = group.links.len();
+        for (a, b) in (0..links).flat_map(|a| (a + 1..links).map(move |b| (a, b))) {
+            let (own, other) = (&group.links[a].collision, &group.links[b].collision);
+            let apart = || Relative::new(group, a, b).always_apart(own, other, settings.self_margin, MOST_BOXES);
+            if !unchecked.contains(&(a, b)) && apart() {
+                unchecked.push((a, b));
+            }
+        }
+        let neighbours = neighbours::find(group, spheres, &unchecked);
+        unchecked.extend(neighbours.iter().map(|n| (n.a, n.b)));
+        Self { neighbours: neighbours.into(), ..Self::new(Body::new(group, spheres, &unchecked, settings)) }
     }
 
     /// The room that neighbours keep, metres.

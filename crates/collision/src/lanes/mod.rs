@@ -7,19 +7,20 @@
 pub mod body;
 pub mod chain;
 pub mod exact;
-
 pub mod kernel;
-pub mod neighbours;
+mod neighbours;
 mod never;
 pub mod obstacles;
 pub mod shape;
+mod suspects;
 mod vector;
 
 pub use body::{Body, Settings};
-pub use kernel::{Around, Kernel, Scratch, Suspect, Suspects, Upright};
+pub use kernel::{Around, Kernel, Scratch, Upright};
 pub use neighbours::Neighbours;
 pub use never::Relative;
 pub use obstacles::{Obstacles, Piece};
+pub use suspects::{Suspect, Suspects};
 pub use vector::{LANES, Lanes};
 
 use fearless_simd::Level;

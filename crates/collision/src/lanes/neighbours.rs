@@ -5,11 +5,13 @@
 //! on those joints alone. So the distance of their shapes is measured over a grid of the joints'
 //! values; what the joints can move a link by bounds it in between.
 
-use super::body::reach_of;
+use super::body::reach_of_link;
+use super::exact::spheres_touch;
 use clearway_geometry::distance::closer_than_along;
-use clearway_geometry::{Convex, Pose, Solid, Vec3};
+use clearway_geometry::{Pose, Vec3};
 use clearway_robot::{Group, LinkStep, Motion, Sphere};
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// Cells along each joint, and of these as many measured at once where the links are far apart.
 const CELLS: usize = 96;
@@ -85,20 +87,9 @@ pub fn find(group: &Group, spheres: &[Vec<Sphere>], unchecked: &[(usize, usize)]
     let mut pairs: Vec<((usize, usize), usize)> = all.filter(near).map(|pair| (pair, 0)).collect();
     let mut frames = Vec::new();
     for sample in 0..SAMPLES {
-        let q: Vec<f64> = (0..group.lower.len())
-            .map(|j| {
-                let (low, high) = group.range(j);
-                low + (high - low) * (0.5 + (sample + 1) as f64 * (0.754_877_666 + 0.137 * j as f64).fract()).fract()
-            })
-            .collect();
-        kinematics.frames(&q, group.hand[0], &mut frames);
+        kinematics.frames(&group.spread(sample), group.hand[0], &mut frames);
         for ((a, b), count) in &mut pairs {
-            let (fa, fb) = (&frames[*a], &frames[*b]);
-            let touch = |s: &Sphere| {
-                let at = fa.point(s.centre);
-                spheres[*b].iter().any(|t| fb.point(t.centre).distance(at) < s.radius + t.radius)
-            };
-            *count += usize::from(spheres[*a].iter().any(touch));
+            *count += usize::from(spheres_touch(&spheres[*a], &frames[*a], &spheres[*b], &frames[*b]));
         }
     }
     let often = |(_, count): &((usize, usize), usize)| *count as f64 >= OFTEN * SAMPLES as f64;
@@ -108,7 +99,7 @@ pub fn find(group: &Group, spheres: &[Vec<Sphere>], unchecked: &[(usize, usize)]
 impl Neighbours {
     fn new(group: &Group, a: usize, b: usize) -> Neighbours {
         let between = group.kinematics.moved_by[a] ^ group.kinematics.moved_by[b];
-        let reach = [a, b].map(|link| reach_of(group, link, &Pose::IDENTITY, &corners(&group.links[link].collision)));
+        let reach = [a, b].map(|link| reach_of_link(group, link));
         let axis = |variable: usize| {
             let (low, high) = group.range(variable);
             // More than a turn shows nothing new, where the joint turns one to one.
@@ -138,9 +129,9 @@ impl Neighbours {
     }
 
     /// Measures a block of cells: in its middle if that is far, else in each cell's.
-    fn fill(&mut self, measure: &mut Measure, rows: std::ops::Range<usize>, columns: std::ops::Range<usize>) {
+    fn fill(&mut self, measure: &mut Measure, rows: Range<usize>, columns: Range<usize>) {
         let count = self.axes.get(1).map_or(1, Axis::cells);
-        let at = |axis: &Axis, range: &std::ops::Range<usize>| axis.low + axis.cell * (range.start + range.end) as f64 / 2.0;
+        let at = |axis: &Axis, range: &Range<usize>| axis.low + axis.cell * (range.start + range.end) as f64 / 2.0;
         let middle = [at(&self.axes[0], &rows), self.axes.get(1).map_or(0.0, |axis| at(axis, &columns))];
         let apart = measure.room(&self.axes, middle);
         for i in rows {
@@ -187,25 +178,6 @@ impl Neighbours {
             t += room / length;
         }
     }
-}
-
-/// Points whose hull holds a solid: distances from an axis are greatest at one of them.
-fn corners(solid: &Solid) -> Vec<Vec3> {
-    let boxed = |half: Vec3| -> Vec<Vec3> {
-        let sign = |i: u32, bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
-        (0..8).map(|i| half * Vec3::new(sign(i, 0), sign(i, 1), sign(i, 2))).collect()
-    };
-    let part = |(pose, convex): &(Pose, Convex)| -> Vec<Vec3> {
-        let own = match convex {
-            Convex::Sphere { radius } => boxed(Vec3::splat(*radius)),
-            Convex::Capsule { radius, half } => boxed(Vec3::new(*radius, *radius, half + radius)),
-            Convex::Cylinder { radius, half } => boxed(Vec3::new(*radius, *radius, *half)),
-            Convex::Box { half } => boxed(*half),
-            Convex::Hull(hull) => hull.points.clone(),
-        };
-        own.into_iter().map(|p| pose.point(p)).collect()
-    };
-    solid.parts.iter().flat_map(part).collect()
 }
 
 /// Rooms told apart, metres: a boolean question with the last answer's direction in mind is far
