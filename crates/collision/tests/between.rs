@@ -38,7 +38,7 @@ fn rows_are_clear_exactly_when_dense_samples_are() {
         let mut rows = vec![first];
         while rows.len() < LANES {
             let target = Pose::new(turn, from + way * (rows.len() as f64 / LANES as f64));
-            let Some(next) = inverse.follow(&target, &rows[rows.len() - 1], 0.6) else { break };
+            let Some(next) = inverse.follow(&target, &rows, 0.6) else { break };
             rows.push(next);
         }
         if rows.len() < 2 {

@@ -98,6 +98,9 @@ fn circumcircle(a: DVec2, b: DVec2, c: DVec2) -> Option<Circle> {
 #[derive(Clone, Debug)]
 pub struct Outline {
     pub corners: Vec<DVec2>,
+    /// Of each side, the one from a corner to the next: its direction outwards, and how far along that
+    /// it is.
+    sides: Vec<(DVec2, f64)>,
     /// Round all corners.
     bound: Circle,
 }
@@ -118,14 +121,22 @@ impl Outline {
         if corners.len() > 1 && corners[0].distance(corners[corners.len() - 1]) <= 1e-9 {
             corners.pop();
         }
+        let side = |(&p, &q): (&DVec2, &DVec2)| {
+            let outwards = (p - q).perp().normalize_or_zero();
+            (outwards, outwards.dot(p))
+        };
+        let sides = corners.iter().zip(corners.iter().cycle().skip(1)).map(side).collect();
         let bound = smallest_circle(&corners);
-        Outline { corners, bound }
+        Outline { corners, sides, bound }
     }
 
     /// Whether the segment from `a` to `b` comes closer to the outline than `distance`.
     #[inline]
     pub fn closer_than(&self, a: DVec2, b: DVec2, distance: f64) -> bool {
-        self.bound.meets_sweep(a, b, distance + 1e-9) && self.segment_distance(a, b) < distance
+        let beyond = |&(outwards, along): &(DVec2, f64)| outwards.dot(a).min(outwards.dot(b)) - along > distance + 1e-9;
+        self.bound.meets_sweep(a, b, distance + 1e-9)
+            && !self.sides.iter().any(beyond)
+            && self.segment_distance(a, b) < distance
     }
 
     /// The distance from the outline to the segment from `a` to `b`; 0 when they meet.

@@ -272,11 +272,11 @@ impl Curve {
         piece
     }
 
-    /// Position at `s` of a piece.
-    pub(crate) fn position(&self, piece: usize, s: f64) -> Posture {
+    /// Adds the position at `s` of a piece: a value per joint.
+    pub(crate) fn position(&self, piece: usize, s: f64, out: &mut Vec<f64>) {
         let t = s - self.knots[piece];
         let (c, n) = (self.piece(piece), self.joints);
-        (0..n).map(|j| c[j] + t * (c[n + j] + t * (c[2 * n + j] / 2.0 + t * c[3 * n + j] / 6.0))).collect()
+        out.extend((0..n).map(|j| c[j] + t * (c[n + j] + t * (c[2 * n + j] / 2.0 + t * c[3 * n + j] / 6.0))));
     }
 
     /// The first two derivatives at `s` of a piece.
@@ -299,11 +299,17 @@ impl Curve {
 mod tests {
     use super::*;
 
+    fn position(curve: &Curve, piece: usize, s: f64) -> Posture {
+        let mut position = Posture::new();
+        curve.position(piece, s, &mut position);
+        position
+    }
+
     fn end_of(curve: &Curve, piece: usize) -> [Vec<f64>; 3] {
         let (n, s) = (curve.joints, curve.knots[piece + 1]);
         let (mut slope, mut bend) = (vec![0.0; n], vec![0.0; n]);
         curve.slope_and_bend(piece, s, &mut slope, &mut bend);
-        [curve.position(piece, s), slope, bend]
+        [position(curve, piece, s), slope, bend]
     }
 
     fn zigzag() -> Vec<Posture> {
@@ -335,7 +341,7 @@ mod tests {
         let rows = corners.rows_about(2, &widths, 40);
         let fine: Vec<Posture> = (0..=4000)
             .map(|i| i as f64 / 4000.0 * corners.along[5])
-            .map(|s| curve.position(curve.piece_at(s, 0), s))
+            .map(|s| position(&curve, curve.piece_at(s, 0), s))
             .collect();
         let off = |row: &Posture| fine.iter().map(|f| distance(f, row)).fold(f64::INFINITY, f64::min);
         assert!(rows.len() > 40 && rows.iter().all(|row| off(row) < 1e-3));
@@ -365,6 +371,6 @@ mod tests {
         let corners = Corners::of(&path);
         let curve = Curve::through(&corners, &corners.widest());
         assert_eq!(curve.parts().len(), 1);
-        assert!(curve.position(curve.piece_at(1.0, 0), 1.0)[0] < 0.9);
+        assert!(position(&curve, curve.piece_at(1.0, 0), 1.0)[0] < 0.9);
     }
 }

@@ -4,53 +4,48 @@
 //! a motion within its limits has rows within them. At rest before and after: both ends count three
 //! times, with derivatives of zero.
 
-use crate::{Limits, Posture};
+use crate::Limits;
 
 /// For each row the factor by which times about it have to be stretched for velocity, acceleration
-/// and jerk to hold: 1 or less where they do. `times` rise.
-pub fn slowdowns(times: &[f64], rows: &[Posture], limits: &Limits) -> Vec<f64> {
+/// and jerk to hold: 1 or less where they do. `times` rise; `rows` has a value per joint for each.
+pub fn slowdowns(times: &[f64], rows: &[f64], limits: &Limits) -> Vec<f64> {
+    let joints = limits.velocity.len();
     let (Some(first), Some(last)) = (times.first(), times.last()) else { return Vec::new() };
     let mut t = vec![*first; 2];
     t.extend(times);
     t.extend([*last; 2]);
-    let per = |span: usize| -> Vec<f64> {
-        (0..t.len() - span).map(|i| if t[i + span] > t[i] { 1.0 / (t[i + span] - t[i]) } else { 0.0 }).collect()
-    };
-    let (one, two, three) = (per(1), per(2), per(3));
-    let row = |i: usize| i.saturating_sub(2).min(rows.len() - 1);
-    // By difference: the largest part of the limit that any joint uses.
-    let (mut v, mut a, mut j) = (vec![0.0f64; one.len()], vec![0.0f64; two.len()], vec![0.0f64; three.len()]);
-    for joint in 0..rows[0].len() {
-        let (by_v, by_a, by_j) =
-            (1.0 / limits.velocity[joint], 2.0 / limits.acceleration[joint], 6.0 / limits.jerk[joint]);
-        let (mut last_v, mut last_a) = (0.0, 0.0);
-        for i in 0..one.len() {
-            let difference = (rows[row(i + 1)][joint] - rows[row(i)][joint]) * one[i];
-            v[i] = v[i].max(difference.abs() * by_v);
-            if i >= 1 {
-                let second = (difference - last_v) * two[i - 1];
-                a[i - 1] = a[i - 1].max(second.abs() * by_a);
-                if i >= 2 {
-                    j[i - 2] = j[i - 2].max((second - last_a).abs() * three[i - 2] * by_j);
-                }
-                last_a = second;
-            }
-            last_v = difference;
-        }
-    }
-    let mut all = vec![0.0f64; rows.len()];
+    let row = |i: usize| i.saturating_sub(2).min(times.len() - 1);
+    let per = |from: usize, span: usize| if t[from + span] > t[from] { 1.0 / (t[from + span] - t[from]) } else { 0.0 };
+    let by: Vec<[f64; 3]> = (0..joints)
+        .map(|j| [1.0 / limits.velocity[j], 2.0 / limits.acceleration[j], 6.0 / limits.jerk[j]])
+        .collect();
+    let mut all = vec![0.0f64; times.len()];
     let mut note = |at: usize, factor: f64| all[row(at)] = all[row(at)].max(factor);
-    for i in 0..one.len() {
-        for at in [i, i + 1] {
-            note(at, v[i]);
+    // Of each joint: the differences of first and second order that ended at the row before.
+    let mut before = vec![[0.0; 2]; joints];
+    for i in 0..t.len() - 1 {
+        let [one, two, three] = [1, 2, 3].map(|span| if i + 1 < span { 0.0 } else { per(i + 1 - span, span) });
+        let (here, next) = (&rows[row(i) * joints..][..joints], &rows[row(i + 1) * joints..][..joints]);
+        // The largest part of the limit that any joint uses.
+        let mut used = [0.0f64; 3];
+        for (((a, b), last), by) in here.iter().zip(next).zip(&mut before).zip(&by) {
+            let first = (b - a) * one;
+            let second = (first - last[0]) * two;
+            let third = (second - last[1]) * three;
+            for ((used, difference), by) in used.iter_mut().zip([first, second, third]).zip(by) {
+                *used = used.max(difference.abs() * by);
+            }
+            *last = [first, second];
         }
-    }
-    for i in 0..two.len() {
-        note(i + 1, a[i].sqrt());
-    }
-    for i in 0..three.len() {
-        for at in [i + 1, i + 2] {
-            note(at, j[i].cbrt());
+        note(i, used[0]);
+        note(i + 1, used[0]);
+        if i >= 1 {
+            note(i, used[1].sqrt());
+        }
+        if i >= 2 {
+            let factor = used[2].cbrt();
+            note(i - 1, factor);
+            note(i, factor);
         }
     }
     all
@@ -68,7 +63,7 @@ mod tests {
             ramp(0.0) - 2.0 * ramp(0.25) + 2.0 * ramp(0.75) - ramp(1.0)
         };
         let times: Vec<f64> = (0..=16).map(|i| i as f64 / 16.0).collect();
-        let rows: Vec<Posture> = times.iter().map(|t| vec![position(*t)]).collect();
+        let rows: Vec<f64> = times.iter().map(|t| position(*t)).collect();
         let only = |velocity, acceleration, jerk| Limits {
             velocity: vec![velocity],
             acceleration: vec![acceleration],

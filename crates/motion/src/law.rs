@@ -113,6 +113,24 @@ impl Paced {
         Self { spline, speeds, times, last: Cell::new(0) }
     }
 
+    /// The same pace, slower about the rows that are too fast: `excess`, evenly spaced in time, says by
+    /// what factor each is. Slower by as much there, and less and less towards rows farther off.
+    pub fn slowed(&self, excess: &[f64]) -> Self {
+        const ABOUT: usize = 8;
+        let rows = excess.len() - 1;
+        let window = |k: usize| k.saturating_sub(ABOUT)..=(k + ABOUT).min(rows);
+        let most: Vec<f64> = (0..=rows).map(|k| excess[window(k)].iter().copied().fold(1.0, f64::max)).collect();
+        let mean = |k: usize| most[window(k)].iter().sum::<f64>() / window(k).count() as f64;
+        let slower: Vec<f64> = (0..=rows).map(mean).collect();
+        let at = |time: f64| {
+            let row = time / self.duration() * rows as f64;
+            let k = (row as usize).min(rows.saturating_sub(1));
+            slower[k] + (slower[k + 1] - slower[k]) * (row - k as f64)
+        };
+        let x = self.speeds.iter().zip(&self.times).map(|(speed, time)| (speed / at(*time)).powi(2)).collect();
+        Self::new(self.spline.clone(), x)
+    }
+
     /// At a time, best asked in rising order: the step, and dτ/dt.
     pub fn pace(&self, time: f64) -> (usize, f64) {
         let i = self.step(time);

@@ -2,7 +2,7 @@
 
 use crate::differences::slowdowns;
 use crate::law::Law;
-use crate::{Curve, Limits, Posture, Timed};
+use crate::{Curve, Limits, Timed};
 use std::ops::Range;
 
 /// What rows are made of.
@@ -18,7 +18,8 @@ pub struct RowMaker<'a> {
 /// Rows, not slowed down yet.
 pub struct Sampled {
     duration: f64,
-    positions: Vec<Posture>,
+    /// A value per joint for each row.
+    positions: Vec<f64>,
     /// Row by row: the factor by which times about it are too short.
     pub excess: Vec<f64>,
 }
@@ -49,16 +50,16 @@ impl RowMaker<'_> {
         let (knots, duration) = (self.curve.knots(), law.duration());
         let (start, end) = (knots[self.part.start], knots[self.part.end]);
         let mut piece = self.part.start;
-        let mut position = |k: usize| {
+        let mut positions = Vec::with_capacity((count + 1) * self.curve.joints());
+        for k in 0..=count {
             let s = match k {
                 0 => start,
                 k if k == count => end,
                 k => law.position(duration * k as f64 / count as f64).clamp(start, end),
             };
             piece = self.curve.piece_at(s, piece).min(self.part.end - 1);
-            self.curve.position(piece, s)
-        };
-        let positions: Vec<Posture> = (0..=count).map(&mut position).collect();
+            self.curve.position(piece, s, &mut positions);
+        }
         let excess = slowdowns(&even(duration, count), &positions, self.limits);
         Sampled { duration, positions, excess }
     }
@@ -67,12 +68,13 @@ impl RowMaker<'_> {
     /// then there have to be more.
     pub fn slowed(&self, mut found: Sampled, law: &impl Law) -> Timed {
         loop {
-            let count = found.positions.len() - 1;
+            let count = found.excess.len() - 1;
             // Rounding must not cross a limit.
             let duration = found.slowed_duration() * (1.0 + 1e-9);
             let needed = self.count(duration);
             if needed <= count {
-                return Timed { times: even(duration, count), positions: found.positions };
+                let positions = found.positions.chunks_exact(self.curve.joints()).map(<[f64]>::to_vec).collect();
+                return Timed { times: even(duration, count), positions };
             }
             found = self.sample(needed, law);
         }

@@ -75,19 +75,34 @@ fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Ti
     let mut spline = Spline::new(steps, &eased);
     let mut best: Option<(Paced, Sampled)> = None;
     let mut bounds = Bounds { slower: vec![1.0; steps + 1], most: vec![f64::INFINITY; steps + 1] };
-    for weights in ROUNDS {
+    for (round, weights) in ROUNDS.into_iter().enumerate() {
         let x = pace::fastest(&motion(&spline, curve, &part), limits, &bounds, weights);
-        let paced = Paced::new(spline, x);
-        let found = maker.sample(maker.count(paced.duration()), &paced);
-        let good = found.slowdown() < CLOSE;
+        let mut paced = Paced::new(spline, x);
+        let mut found = maker.sample(maker.count(paced.duration()), &paced);
         learn(&mut bounds, &found.excess, &paced);
         spline = Spline::new(steps, &paced);
+        // What is above limits only here and there is slowed down there.
+        for _ in 0..TOUCHES {
+            if round < 1 || found.slowdown() < CLOSE {
+                break;
+            }
+            let slower = paced.slowed(&found.excess);
+            let again = maker.sample(maker.count(slower.duration()), &slower);
+            if again.slowed_duration() >= found.slowed_duration() {
+                break;
+            }
+            (paced, found) = (slower, again);
+        }
+        let good = found.slowdown() < CLOSE;
         if best.as_ref().is_none_or(|b| found.slowed_duration() < b.1.slowed_duration()) {
             best = Some((paced, found));
         }
         if good {
             break;
         }
+    }
+    if let Some((paced, found)) = best.take_if(|(_, b)| b.slowed_duration() <= sudden.slowed_duration().min(eased.duration())) {
+        return maker.slowed(found, &paced);
     }
     let plain = maker.sample(maker.count(eased.duration()), &eased);
     let limit = sudden.slowed_duration().min(plain.slowed_duration());
@@ -120,6 +135,9 @@ fn learn(bounds: &mut Bounds, excess: &[f64], paced: &Paced) {
 /// The barrier's weight in each round: at first, and at last. After the first round the pace is
 /// nearly right.
 const ROUNDS: [(f64, f64); 5] = [(1.0, 0.002), (0.1, 0.002), (0.1, 0.002), (0.1, 0.002), (0.1, 0.002)];
+
+/// How often a pace is touched up.
+const TOUCHES: usize = 3;
 
 /// Steps that the pace is chosen at: how long in rows, how few, how many.
 const STEP: f64 = 1.25;

@@ -336,6 +336,15 @@ impl<R: Rng> Carrier<'_, R> {
         let scene_pose = world.world_from_root * world.poses[object.index()];
         let base = world.world_from_root.translation.truncate();
         let forward = (scene_pose * grasp.object_from_tool).rotation.z_axis.truncate();
+        let mut held = Held {
+            object,
+            parts: world.carried[object.index()].clone(),
+            tool_from_object: grasp.object_from_tool.inverse(),
+            fixtures_below: Vec::new(),
+            objects_below: ObjectSet::EMPTY,
+            kernel: None,
+        };
+        held.kernel = Some(world.model.holding(&held.solid()));
         let mut tries = 0;
         let mut blamed = ObjectSet::EMPTY;
         for spot in place::spots(&self.scene.places, base) {
@@ -348,7 +357,7 @@ impl<R: Rng> Carrier<'_, R> {
                     continue;
                 };
                 let pose = world.root_from_world * world_from_object;
-                let Some(placement) = self.put_down(object, grasp, entry, carrying, pose) else { continue };
+                let Some(placement) = self.put_down(&held, grasp, entry, carrying, pose) else { continue };
                 let mut moment = carrying.clone();
                 moment.held = Some(placement.held.clone());
                 tries += 1;
@@ -370,10 +379,11 @@ impl<R: Rng> Carrier<'_, R> {
     }
 
     /// Whether the object can be lowered onto a spot and let go of there.
-    fn put_down(&mut self, object: ObjectId, grasp: &Grasp, entry: &Posture, carrying: &Moment, pose: Pose) -> Option<Placement> {
+    fn put_down(&mut self, held: &Held, grasp: &Grasp, entry: &Posture, carrying: &Moment, pose: Pose) -> Option<Placement> {
         const LOWER_STEP: f64 = 0.02;
         const BACK_STEP: f64 = 0.025;
         let world = self.world;
+        let object = held.object;
         let placed = world.placed(object, &pose);
         let overlaps = |other: &Obstacle| {
             other.near_bound(placed.bound.centre, placed.bound.radius, 0.0)
@@ -389,15 +399,7 @@ impl<R: Rng> Carrier<'_, R> {
             return None;
         }
         let (fixtures_below, objects_below) = world.below(object, &pose);
-        let mut held = Held {
-            object,
-            parts: world.carried[object.index()].clone(),
-            tool_from_object: grasp.object_from_tool.inverse(),
-            fixtures_below,
-            objects_below,
-            kernel: None,
-        };
-        held.kernel = Some(world.model.holding(&held.solid()));
+        let held = Held { fixtures_below, objects_below, ..held.clone() };
         let mut resting = carrying.clone();
         resting.held = Some(held.clone());
         resting.resting = true;
@@ -420,7 +422,7 @@ impl<R: Rng> Carrier<'_, R> {
             while height < self.settings.lower_from - 1e-9 {
                 height += LOWER_STEP;
                 let target = Pose::new(at.rotation, at.translation + world.up() * height);
-                let Some(q) = self.inverse.follow(&target, &lower[lower.len() - 1], 0.5) else { continue 'branch };
+                let Some(q) = self.inverse.follow(&target, &lower, 0.5) else { continue 'branch };
                 if !lowering.free(&q) {
                     continue 'branch;
                 }
@@ -436,7 +438,7 @@ impl<R: Rng> Carrier<'_, R> {
             while out < standoff - 1e-9 {
                 out += BACK_STEP;
                 let target = Pose::new(at.rotation, at.translation - at.rotation.z_axis * out);
-                let Some(q) = self.inverse.follow(&target, &back[back.len() - 1], 0.5) else { continue 'branch };
+                let Some(q) = self.inverse.follow(&target, &back, 0.5) else { continue 'branch };
                 if !leaving.free(&q) {
                     continue 'branch;
                 }

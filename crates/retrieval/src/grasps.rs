@@ -6,7 +6,7 @@
 
 use clearway_collision::World;
 use clearway_geometry::distance::closer_than;
-use clearway_geometry::{Mat3, Pose, Solid, Vec3};
+use clearway_geometry::{Convex, Mat3, Pose, Solid, Vec3};
 use clearway_plan::ObjectId;
 use clearway_plan::robot_file::{GraspKind, HandKind};
 use std::f64::consts::TAU;
@@ -24,8 +24,10 @@ pub struct Grasp {
 const PAD: f64 = 0.02;
 /// A cup is set this far off the surface, metres: it seals, and rounding does not make it overlap.
 const CUP_GAP: f64 = 0.0003;
-/// Fingers are as good as touching at this distance, metres.
+/// Fingers are as good as touching at this distance, metres …
 const TOUCH: f64 = 0.0005;
+/// … and close up to this.
+const FIRM: f64 = 2e-5;
 
 /// The grasps declared for an object, and how many were dropped because it is too wide.
 pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
@@ -49,13 +51,13 @@ pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
         let flipped: Vec<Pose> = poses.iter().map(|p| *p * flip).collect();
         poses.extend(flipped);
     }
-    let mut fingers = Fingers::new(world);
+    let mut fingers = Fingers::new(world, solid);
     let mut dropped = 0;
     let mut grasps = Vec::new();
     for object_from_tool in poses {
         match robot.hand.kind {
             HandKind::Suction { .. } => grasps.push(Grasp { object_from_tool, closed: 0.0 }),
-            HandKind::Parallel => match fingers.close(solid, &object_from_tool) {
+            HandKind::Parallel => match fingers.close(&object_from_tool) {
                 Some(closed) => grasps.push(Grasp { object_from_tool, closed }),
                 None => dropped += 1,
             },
@@ -116,85 +118,83 @@ fn surface_along(solid: &Solid, object_from_world: &Pose, start: Vec3, direction
     None
 }
 
-/// Closes a parallel hand.
+/// Closes a parallel hand round one solid.
 struct Fingers<'a> {
     world: &'a World,
-    /// Joint values from open to closed, and the hand's links seen from the tool at each.
-    stages: Vec<(f64, Vec<(usize, Pose)>)>,
-    /// The last answer and the widest the solid was then: round objects ask the same many times.
-    last: Option<(f64, f64, f64)>,
+    solid: &'a Solid,
+    /// Whether the solid is the same however it is turned about its z axis.
+    round: bool,
+    /// What was asked, turned about that axis to come along x, and the answers.
+    known: Vec<(Pose, Option<f64>)>,
 }
 
+/// The hand's links, seen from the tool.
+type Hand = Vec<(usize, Pose)>;
+
 impl<'a> Fingers<'a> {
-    fn new(world: &'a World) -> Self {
-        const STAGES: usize = 96;
-        let hand = &world.model.robot.hand;
-        let mut frames = Vec::new();
-        let stages = (0..=STAGES)
-            .map(|i| {
-                let gap = hand.widest() * (1.0 - i as f64 / STAGES as f64);
-                let value = hand.joint_at(gap);
-                world.model.kinematics.frames(&world.model.robot.home, value, &mut frames);
-                let back = frames[world.model.kinematics.tool].inverse();
-                (value, hand.links.iter().map(|&l| (l, back * frames[l])).collect())
-            })
-            .collect();
-        Self { world, stages, last: None }
+    fn new(world: &'a World, solid: &'a Solid) -> Self {
+        let about_z = |(pose, convex): &(Pose, Convex)| {
+            let along = pose.translation.truncate().length() < 1e-12 && pose.rotation.z_axis.truncate().length() < 1e-12;
+            along && matches!(convex, Convex::Cylinder { .. } | Convex::Sphere { .. } | Convex::Capsule { .. })
+        };
+        Self { world, solid, round: solid.parts.iter().all(about_z), known: Vec::new() }
     }
 
     /// The joint value at which the fingers touch; `None` when the open hand does not go round the
     /// solid or the closed one does not reach it.
-    fn close(&mut self, solid: &Solid, object_from_tool: &Pose) -> Option<f64> {
-        let tool_from_object = object_from_tool.inverse();
-        let width = {
-            let across = object_from_tool.rotation.x_axis;
-            solid.support(across).dot(across) + solid.support(-across).dot(-across)
-        };
-        let level = object_from_tool.translation.z;
-        if let Some((w, l, value)) = self.last
-            && (w - width).abs() < 1e-9
-            && (l - level).abs() < 1e-9
-            && !self.near(solid, &tool_from_object, 0, 0.0)
-        {
-            return Some(value);
+    fn close(&mut self, object_from_tool: &Pose) -> Option<f64> {
+        let asked = if self.round { turned_to_x(object_from_tool) } else { *object_from_tool };
+        if let Some((_, answer)) = self.known.iter().find(|(pose, _)| same(pose, &asked)) {
+            return *answer;
         }
-        if self.near(solid, &tool_from_object, 0, 0.0) {
-            return None;
-        }
-        // Nearness only grows as the hand closes: bisect for the first stage that touches.
-        let (mut apart, mut touching) = (0, self.stages.len() - 1);
-        if !self.near(solid, &tool_from_object, touching, TOUCH) {
-            return None;
-        }
-        while touching - apart > 1 {
-            let middle = (apart + touching) / 2;
-            if self.near(solid, &tool_from_object, middle, TOUCH) { touching = middle } else { apart = middle }
-        }
-        let value = self.stages[apart].0;
-        // Between the two stages, to where it just touches.
-        let (mut open, mut shut) = (value, self.stages[touching].0);
-        let mut frames = Vec::new();
-        for _ in 0..12 {
-            let middle = (open + shut) / 2.0;
-            self.world.model.kinematics.frames(&self.world.model.robot.home, middle, &mut frames);
-            let back = frames[self.world.model.kinematics.tool].inverse();
-            let links: Vec<(usize, Pose)> = self.world.model.robot.hand.links.iter().map(|&l| (l, back * frames[l])).collect();
-            if near(self.world, &links, solid, &tool_from_object, 2e-5) { shut = middle } else { open = middle }
-        }
-        self.last = Some((width, level, open));
-        Some(open)
+        let answer = self.bisect(&asked.inverse());
+        self.known.push((asked, answer));
+        answer
     }
 
-    fn near(&self, solid: &Solid, tool_from_object: &Pose, stage: usize, margin: f64) -> bool {
-        near(self.world, &self.stages[stage].1, solid, tool_from_object, margin)
+    fn bisect(&self, tool_from_object: &Pose) -> Option<f64> {
+        let hand = &self.world.model.robot.hand;
+        let (open, closed) = (hand.joint_at(hand.widest()), hand.joint_at(0.0));
+        if self.near(open, tool_from_object, 0.0) || !self.near(closed, tool_from_object, TOUCH) {
+            return None;
+        }
+        // Nearness only grows as the hand closes.
+        let (mut apart, mut touching) = (hand.widest(), 0.0);
+        for _ in 0..20 {
+            let middle = (apart + touching) / 2.0;
+            let near = self.near(hand.joint_at(middle), tool_from_object, FIRM);
+            *if near { &mut touching } else { &mut apart } = middle;
+        }
+        Some(hand.joint_at(apart))
+    }
+
+    fn near(&self, value: f64, tool_from_object: &Pose, margin: f64) -> bool {
+        let world = self.world;
+        self.hand(value).iter().any(|(link, tool_from_link)| {
+            world.model.robot.links[*link].collision.parts.iter().any(|(part, convex)| {
+                let pose = *tool_from_link * *part;
+                self.solid.parts.iter().any(|(p, c)| closer_than(convex, &pose, c, &(*tool_from_object * *p), margin))
+            })
+        })
+    }
+
+    fn hand(&self, value: f64) -> Hand {
+        let model = &self.world.model;
+        let mut frames = Vec::new();
+        model.kinematics.frames(&model.robot.home, value, &mut frames);
+        let back = frames[model.kinematics.tool].inverse();
+        model.robot.hand.links.iter().map(|&link| (link, back * frames[link])).collect()
     }
 }
 
-fn near(world: &World, links: &[(usize, Pose)], solid: &Solid, tool_from_object: &Pose, margin: f64) -> bool {
-    links.iter().any(|(link, tool_from_link)| {
-        world.model.robot.links[*link].collision.parts.iter().any(|(part, convex)| {
-            let pose = *tool_from_link * *part;
-            solid.parts.iter().any(|(p, c)| closer_than(convex, &pose, c, &(*tool_from_object * *p), margin))
-        })
-    })
+/// A pose turned about z so that its z axis (its x axis, where that is upright) has no y.
+fn turned_to_x(pose: &Pose) -> Pose {
+    let axis = [pose.rotation.z_axis, pose.rotation.x_axis].map(Vec3::truncate);
+    let axis = if axis[0].length() > 1e-6 { axis[0] } else { axis[1] };
+    Pose::new(Mat3::from_rotation_z(-axis.to_angle()), Vec3::ZERO) * *pose
+}
+
+fn same(a: &Pose, b: &Pose) -> bool {
+    let near = |a: Vec3, b: Vec3| a.abs_diff_eq(b, 1e-9);
+    near(a.translation, b.translation) && near(a.rotation.x_axis, b.rotation.x_axis) && near(a.rotation.z_axis, b.rotation.z_axis)
 }

@@ -206,8 +206,12 @@ impl Roadmap {
         let index = self.nodes.len();
         // The edge just extended may be δ long to the last digit: rounding must not drop it.
         let mut near = self.places.within(at, settings.longest_edge * (1.0 + 1e-9));
-        near.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        near.truncate(settings.neighbours);
+        let nearer = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        if near.len() > settings.neighbours {
+            near.select_nth_unstable_by(settings.neighbours, nearer);
+            near.truncate(settings.neighbours);
+        }
+        near.sort_unstable_by(nearer);
         self.places.push(index, &new);
         self.nodes.push(new);
         for (_, i) in near {

@@ -285,7 +285,7 @@ impl Explorer<'_> {
                     break;
                 };
                 let target = Pose::new(start.rotation, lifted + moved);
-                let Some(posture) = self.inverse.follow(&target, &postures[postures.len() - 1], 0.6) else {
+                let Some(posture) = self.inverse.follow(&target, &postures, 0.6) else {
                     ends = true;
                     break;
                 };

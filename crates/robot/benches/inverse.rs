@@ -46,14 +46,14 @@ fn measure(name: &str, robot: &Robot) {
         postures += found.len();
 
         let along = Vec3::new(random.random_range(-1.0..1.0), random.random_range(-1.0..1.0), random.random_range(-1.0..1.0)).normalize_or_zero();
-        let mut at = q;
+        let mut trail = vec![q];
         let began = Instant::now();
         for i in 1..=STEPS {
             wanted_steps += 1;
             let target = Pose::new(wanted.rotation, wanted.translation + along * (STEP * i as f64));
-            let Some(next) = inverse.follow(&target, &at, 0.5) else { break };
+            let Some(next) = inverse.follow(&target, &trail, 0.5) else { break };
             steps += 1;
-            at = next;
+            trail.push(next);
         }
         following += began.elapsed();
 

@@ -43,6 +43,8 @@ enum Method {
 
 /// A solution may miss the pose by this much, metres and radians.
 pub const TOLERANCE: f64 = 1e-9;
+/// One that was followed along a trail, by this much.
+pub const TRAIL_TOLERANCE: f64 = 1e-6;
 
 impl InverseKinematics {
     pub fn new(robot: &crate::Robot, kinematics: &Kinematics) -> Self {
@@ -106,12 +108,18 @@ impl InverseKinematics {
         }
     }
 
-    /// The posture that brings the tool to `root_from_tool` and is reached from `from` by a small
-    /// motion: no joint moves by more than `reach` (radians or metres).
-    pub fn follow(&self, root_from_tool: &Pose, from: &[f64], reach: f64) -> Option<Posture> {
-        let mut q = from.to_vec();
+    /// The posture that brings the tool to `root_from_tool` and is reached from the end of a trail of
+    /// postures by a small motion: no joint moves by more than `reach` (radians or metres). Evenly
+    /// spaced poses are found soonest; without a trail there is none.
+    pub fn follow(&self, root_from_tool: &Pose, trail: &[Posture], reach: f64) -> Option<Posture> {
+        let from = trail.last()?;
         let near = |q: &[f64]| q.iter().zip(from).all(|(a, b)| (a - b).abs() <= reach);
-        if numeric::descend(&self.chain, root_from_tool, &mut q, Some(self.limits()), 20, TOLERANCE) && near(&q) {
+        let mut q = from.clone();
+        if let [.., before, _] = trail {
+            let onwards = q.iter_mut().zip(before).zip(self.lower.iter().zip(&self.upper));
+            onwards.for_each(|((q, b), (low, high))| *q = (2.0 * *q - b).clamp(*low, *high));
+        }
+        if numeric::descend(&self.chain, root_from_tool, &mut q, Some(self.limits()), 20, TRAIL_TOLERANCE) && near(&q) {
             return Some(q);
         }
         let Method::SphericalShoulder(closed) = &self.method else { return None };
