@@ -70,6 +70,8 @@ pub struct Obstacle {
     pub parts: Vec<PlacedPart>,
     /// Round everything.
     pub bound: Sphere,
+    /// The box along the root frame's axes that holds it.
+    pub aabb: (Vec3, Vec3),
 }
 
 impl Obstacle {
@@ -79,12 +81,19 @@ impl Obstacle {
             solid.parts.iter().enumerate().map(|(i, (pose, convex))| PlacedPart::new(*root_from_solid * *pose, convex.clone(), tag + i)).collect();
         let balls: Vec<Sphere> =
             parts.iter().map(|p| Sphere { centre: p.root_from_part.translation, radius: p.radius }).collect();
-        Self { parts, bound: clearway_robot::bounding_sphere(&balls) }
+        Self { parts, bound: clearway_robot::bounding_sphere(&balls), aabb: solid.aabb(*root_from_solid) }
     }
 
     /// Its parts, in the root frame.
     pub fn solid(&self) -> Solid {
         Solid { parts: self.parts.iter().map(|p| (p.root_from_part, p.convex.clone())).collect() }
+    }
+
+    /// A quick no: whether what lies within a box along the root frame's axes may come closer than
+    /// `margin` at all.
+    #[inline]
+    pub fn near_aabb(&self, (low, high): (Vec3, Vec3), margin: f64) -> bool {
+        low.cmplt(self.aabb.1 + margin).all() && high.cmpgt(self.aabb.0 - margin).all()
     }
 
     /// A quick no: whether a ball may come closer than `margin` at all.

@@ -117,7 +117,9 @@ impl World {
         touched: &mut ObjectSet,
     ) -> bool {
         let margin = moment.held_margin;
-        let mut near = |o: &Obstacle| held_near(part, root_from_object, o, margin, directions);
+        let aabb = part.convex.aabb(&(*root_from_object * part.pose));
+        let mut near =
+            |o: &Obstacle| o.near_aabb(aabb, margin) && held_near(part, root_from_object, o, margin, directions);
         for (index, fixture) in self.fixtures.iter().enumerate() {
             if !(moment.resting && held.fixtures_below.contains(&index)) && near(fixture) {
                 return true;

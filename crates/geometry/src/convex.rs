@@ -59,6 +59,30 @@ impl Convex {
         }
     }
 
+    /// The axis-aligned box `(min, max)` that holds the shape placed at `pose`.
+    pub fn aabb(&self, pose: &Pose) -> (DVec3, DVec3) {
+        let rotation = &pose.rotation;
+        let reach = match self {
+            Convex::Sphere { radius } => DVec3::splat(*radius),
+            Convex::Capsule { radius, half } => *radius + *half * rotation.z_axis.abs(),
+            Convex::Cylinder { radius, half } => {
+                let along = rotation.z_axis;
+                // Across an axis the disc reaches as far as the axis leans away from it.
+                let disc = (DVec3::ONE - along * along).max(DVec3::ZERO);
+                *half * along.abs() + *radius * DVec3::new(disc.x.sqrt(), disc.y.sqrt(), disc.z.sqrt())
+            }
+            Convex::Box { half } => {
+                half.x * rotation.x_axis.abs() + half.y * rotation.y_axis.abs() + half.z * rotation.z_axis.abs()
+            }
+            Convex::Hull(hull) => {
+                let points = hull.points.iter().map(|p| pose.point(*p));
+                let none = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
+                return points.fold(none, |(min, max), p| (min.min(p), max.max(p)));
+            }
+        };
+        (pose.translation - reach, pose.translation + reach)
+    }
+
     /// A sphere about the own frame's origin that holds the shape: its radius.
     pub fn bounding_radius(&self) -> f64 {
         match self {
@@ -110,10 +134,38 @@ impl Solid {
 
     /// The axis-aligned box `(min, max)` that holds the solid placed at `world_from_solid`.
     pub fn aabb(&self, world_from_solid: Pose) -> (DVec3, DVec3) {
-        let back = world_from_solid.rotation.transpose();
-        let extent = |axis: DVec3| world_from_solid.point(self.support(back * axis)).dot(axis);
-        let max = DVec3::new(extent(DVec3::X), extent(DVec3::Y), extent(DVec3::Z));
-        let min = -DVec3::new(extent(-DVec3::X), extent(-DVec3::Y), extent(-DVec3::Z));
-        (min, max)
+        let boxes = self.parts.iter().map(|(pose, convex)| convex.aabb(&(world_from_solid * *pose)));
+        let none = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
+        boxes.fold(none, |a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_reach_as_far_as_supports() {
+        let corners = [[0.1, 0.0, 0.0], [-0.1, 0.05, 0.0], [0.0, -0.1, 0.02], [0.0, 0.0, 0.2], [0.03, 0.04, -0.1]];
+        let hull = Hull { points: corners.map(DVec3::from_array).to_vec(), triangles: Vec::new(), planes: Vec::new() };
+        let shapes = [
+            Convex::Sphere { radius: 0.07 },
+            Convex::Capsule { radius: 0.03, half: 0.1 },
+            Convex::Cylinder { radius: 0.05, half: 0.02 },
+            Convex::Box { half: DVec3::new(0.1, 0.2, 0.03) },
+            Convex::Hull(Arc::new(hull)),
+        ];
+        for i in 0..60 {
+            let t = f64::from(i);
+            let pose = Pose::from_rpy([t, 1.7 * t, 0.3 * t], DVec3::new(t.sin(), 0.4, -t.cos()));
+            let back = pose.rotation.transpose();
+            for shape in &shapes {
+                let (min, max) = shape.aabb(&pose);
+                for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+                    let far = |d: DVec3| pose.point(shape.support(back * d)).dot(d);
+                    assert!((far(axis) - max.dot(axis)).abs() < 1e-9 && (far(-axis) + min.dot(axis)).abs() < 1e-9, "{shape:?}");
+                }
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! What a placed solid looks like from above: its smallest enclosing circle (the footprint of the
 //! roadmap, Appendix B) and, for what stands still, its outline.
 
-use crate::{Pose, Solid};
+use crate::{Convex, Pose, Solid};
 use glam::DVec2;
 use std::f64::consts::TAU;
 
@@ -42,6 +42,19 @@ fn support(solid: &Solid, world_from_solid: &Pose, d: DVec2) -> DVec2 {
 /// otherwise at most 0.1 ‰ of the radius too large.
 pub fn enclosing_circle(solid: &Solid, world_from_solid: &Pose) -> Circle {
     const DIRECTIONS: usize = 256;
+    if let [(pose, convex)] = solid.parts.as_slice() {
+        let placed = *world_from_solid * *pose;
+        let centre = placed.translation.truncate();
+        match convex {
+            Convex::Sphere { radius } => return Circle { centre, radius: *radius },
+            Convex::Cylinder { radius, .. } | Convex::Capsule { radius, .. }
+                if placed.rotation.z_axis.truncate().length() < 1e-9 =>
+            {
+                return Circle { centre, radius: *radius };
+            }
+            _ => {}
+        }
+    }
     let points: Vec<DVec2> =
         (0..DIRECTIONS).map(|i| support(solid, world_from_solid, direction(i, DIRECTIONS))).collect();
     let mut circle = smallest_circle(&points);
@@ -175,13 +188,17 @@ fn segments_cross(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Convex, Vec3};
+    use crate::Vec3;
 
     #[test]
     fn circles_of_known_solids() {
         let pose = Pose::from_translation(Vec3::new(0.3, -0.2, 1.0));
         let cylinder = enclosing_circle(&Solid::new(Convex::Cylinder { radius: 0.04, half: 0.1 }), &pose);
         assert!((cylinder.radius - 0.04).abs() < 1e-12 && cylinder.centre.distance(DVec2::new(0.3, -0.2)) < 1e-12);
+        // Within another one it takes the long way round.
+        let parts = vec![Convex::Cylinder { radius: 0.04, half: 0.1 }, Convex::Sphere { radius: 0.01 }];
+        let nested = enclosing_circle(&Solid { parts: parts.into_iter().map(|c| (Pose::IDENTITY, c)).collect() }, &pose);
+        assert!((nested.radius - 0.04).abs() < 1e-5 && nested.centre.distance(cylinder.centre) < 1e-5);
         let turned = pose * Pose::from_rpy([0.0, 0.0, 0.4], Vec3::ZERO);
         let half = Vec3::new(0.03, 0.04, 0.2);
         let cuboid = enclosing_circle(&Solid::new(Convex::Box { half }), &turned);

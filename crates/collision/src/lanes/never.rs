@@ -82,10 +82,11 @@ impl Relative {
             for (pose, part) in &b.parts {
                 let (at, moved) = placed(&joints, *pose, part.bounding_radius(), &mut contribution);
                 for (pose_a, part_a) in &a.parts {
-                    if !closer_than(part_a, pose_a, part, &at, margin) {
-                        apart &= !closer_than(part_a, pose_a, part, &at, margin + moved);
-                    } else {
-                        return false;
+                    if closer_than(part_a, pose_a, part, &at, margin + moved) {
+                        apart = false;
+                        if closer_than(part_a, pose_a, part, &at, margin) {
+                            return false;
+                        }
                     }
                 }
             }

@@ -20,12 +20,12 @@ pub struct Chain {
     last_from_tool: Pose,
 }
 
-/// A joint on the way, which moves by `multiplier · q[variable] + offset` (mimics have their lead's).
+/// A joint on the way, which moves along or about its z axis by `multiplier · q[variable] + offset`
+/// (mimics have their lead's).
 #[derive(Clone, Debug)]
 struct Moving {
     /// From the joint before to this one at 0.
     fixed: Pose,
-    axis: Vec3,
     slides: bool,
     variable: usize,
     multiplier: f64,
@@ -52,8 +52,11 @@ impl Chain {
             // What the hand's own joint moves stays where it is at 0.
             if source.variable < kinematics.arm_joints {
                 let (variable, multiplier, offset) = (source.variable, source.multiplier, source.offset);
-                moving.push(Moving { fixed, axis, slides, variable, multiplier, offset });
-                fixed = Pose::IDENTITY;
+                // The joint's frame is turned so that it moves along or about z.
+                let (x, y) = axis.any_orthonormal_pair();
+                let turned = Pose::new(Mat3::from_cols(x, y, axis), Vec3::ZERO);
+                moving.push(Moving { fixed: fixed * turned, slides, variable, multiplier, offset });
+                fixed = turned.inverse();
             }
         }
         Self { joints: kinematics.arm_joints, moving, last_from_tool: fixed }
@@ -62,28 +65,28 @@ impl Chain {
     /// `root_from_tool`, and into the first `joints` entries how it changes.
     pub fn tool(&self, q: &[f64], jacobian: &mut Jacobian) -> Pose {
         let mut at = Pose::IDENTITY;
-        let mut axes = [(Vec3::ZERO, Vec3::ZERO); MOST];
-        for (joint, axis) in self.moving.iter().zip(&mut axes) {
+        jacobian[..self.joints].fill((Vec3::ZERO, Vec3::ZERO));
+        for joint in &self.moving {
             at = at * joint.fixed;
             let value = joint.multiplier * q[joint.variable] + joint.offset;
-            *axis = (at.translation, at.rotation * joint.axis);
+            let axis = at.rotation.z_axis;
+            let direction = axis * joint.multiplier;
+            let column = &mut jacobian[joint.variable];
             if joint.slides {
-                at.translation += axis.1 * value;
+                at.translation += axis * value;
+                column.0 += direction;
             } else {
-                at.rotation *= Mat3::from_axis_angle(joint.axis, value);
+                let (sin, cos) = value.sin_cos();
+                let (x, y) = (at.rotation.x_axis, at.rotation.y_axis);
+                (at.rotation.x_axis, at.rotation.y_axis) = (x * cos + y * sin, y * cos - x * sin);
+                // The tool moves by `direction × (tool − origin)`; where the tool is shows at the end.
+                column.0 -= direction.cross(at.translation);
+                column.1 += direction;
             }
         }
         let tool = at * self.last_from_tool;
-        jacobian[..self.joints].fill((Vec3::ZERO, Vec3::ZERO));
-        for (joint, (origin, direction)) in self.moving.iter().zip(axes) {
-            let direction = direction * joint.multiplier;
-            let column = &mut jacobian[joint.variable];
-            if joint.slides {
-                column.0 += direction;
-            } else {
-                column.0 += direction.cross(tool.translation - origin);
-                column.1 += direction;
-            }
+        for column in &mut jacobian[..self.joints] {
+            column.0 += column.1.cross(tool.translation);
         }
         tool
     }
