@@ -79,6 +79,7 @@ fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Ti
         let x = pace::fastest(&motion(&spline, curve, &part), limits, &bounds, weights);
         let mut paced = Paced::new(spline, x);
         let mut found = maker.sample(maker.count(paced.duration()), &paced);
+        let wanted = paced.duration();
         learn(&mut bounds, &found.excess, &paced);
         spline = Spline::new(steps, &paced);
         // What is above limits only here and there is slowed down there.
@@ -93,7 +94,7 @@ fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Ti
             }
             (paced, found) = (slower, again);
         }
-        let good = found.slowdown() < CLOSE;
+        let good = found.slowdown() < CLOSE && found.slowed_duration() < LITTLE_LOST * wanted;
         if best.as_ref().is_none_or(|b| found.slowed_duration() < b.1.slowed_duration()) {
             best = Some((paced, found));
         }
@@ -135,6 +136,9 @@ fn learn(bounds: &mut Bounds, excess: &[f64], paced: &Paced) {
 /// The barrier's weight in each round: at first, and at last. After the first round the pace is
 /// nearly right.
 const ROUNDS: [(f64, f64); 5] = [(1.0, 0.002), (0.1, 0.002), (0.1, 0.002), (0.1, 0.002), (0.1, 0.002)];
+
+/// Touching up costs time; where it costs more, another round may do better.
+const LITTLE_LOST: f64 = 1.015;
 
 /// How often a pace is touched up.
 const TOUCHES: usize = 3;
