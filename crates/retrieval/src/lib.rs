@@ -15,6 +15,7 @@ pub mod floor;
 pub mod graph;
 pub mod grasps;
 pub mod place;
+pub mod order;
 pub mod planner;
 pub mod roadmap;
 mod trace;
