@@ -3,6 +3,7 @@
 //! is not there wherever it need not be.
 
 use crate::number_or::{NumberOr, number_or};
+use crate::robot_file::Grasps;
 use crate::scene_file::SceneFile;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -87,6 +88,9 @@ pub struct PlannedRobot {
     pub home: BTreeMap<String, f64>,
     pub limits: JointLimits,
     pub hand: PlannedHand,
+    /// The preset grasps, as the robot file declares them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grasps: Option<Grasps>,
     /// Link pairs that are not checked: adjacent, of the hand, or (nearly) always touching.
     #[serde(default, deserialize_with = "null_is_default")]
     pub unchecked_pairs: Vec<[String; 2]>,
@@ -211,6 +215,7 @@ pub struct LowerBound {
     pub removed: usize,
     /// `geometric`, `grasps` or `roadmap`.
     pub kind: String,
+    /// For `grasps` a [`crate::proof::GraspsProof`].
     pub proof: serde_json::Value,
 }
 

@@ -29,8 +29,8 @@ const TOUCH: f64 = 0.0005;
 /// … and close up to this.
 const FIRM: f64 = 2e-5;
 
-/// The grasps declared for an object, and how many were dropped because it is too wide.
-pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
+/// The poses of the tool that the robot file declares for an object, in its frame.
+pub fn declared(world: &World, object: ObjectId) -> Vec<Pose> {
     let robot = &world.model.robot;
     let solid = &world.solids[object.index()];
     let world_from_object = world.world_from_root * world.poses[object.index()];
@@ -51,10 +51,17 @@ pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
         let flipped: Vec<Pose> = poses.iter().map(|p| *p * flip).collect();
         poses.extend(flipped);
     }
+    poses
+}
+
+/// The declared grasps that hold an object, and how many do not because it is too wide.
+pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
+    let robot = &world.model.robot;
+    let solid = &world.solids[object.index()];
     let mut fingers = Fingers::new(world, solid);
     let mut dropped = 0;
     let mut grasps = Vec::new();
-    for object_from_tool in poses {
+    for object_from_tool in declared(world, object) {
         match robot.hand.kind {
             HandKind::Suction { .. } => grasps.push(Grasp { object_from_tool, closed: 0.0 }),
             HandKind::Parallel => match fingers.close(&object_from_tool) {

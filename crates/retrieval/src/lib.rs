@@ -9,7 +9,11 @@
 //! | [`graph`] | section IV-C, Algorithm 3, Figs. 4 to 6 |
 //! | [`grasps`], [`ways`], [`carry`] | section IV-D |
 //! | [`planner`] | Algorithm 1 |
+//!
+//! Beyond the paper: [`order`], the fewest removals when all ways are known; [`bound`], a lower bound and its
+//! proof.
 
+pub mod bound;
 pub mod carry;
 pub mod floor;
 pub mod graph;

@@ -4,6 +4,7 @@
 //! A [`Planner`] is a session: it owns the scene and what was learned about it, so that a changed
 //! scene is planned for again without starting from nothing.
 
+use crate::bound::Prover;
 use crate::carry::{self, Carried, Carrier, Situation};
 use crate::floor::Floor;
 use crate::graph::{RetrievalGraph, Search, Sequence};
@@ -12,14 +13,16 @@ use crate::roadmap::{self, Roadmap};
 use crate::trace;
 use crate::ways::{self, Explorer, Ways};
 use clearway_collision::{CollisionModel, Contact, Moment, Scratch, Touch, World};
+use clearway_geometry::Vec2;
 use clearway_motion::{Posture, Trees};
 use clearway_plan::event::Observer;
-use clearway_plan::plan_file::{PlanFile, Stats, Status, Timing};
+use clearway_plan::plan_file::{LowerBound, PlanFile, Stats, Status, Timing};
 use clearway_plan::{Budget, Event, ObjectId, ObjectSet, Stop};
 use clearway_robot::{InverseKinematics, Robot};
 use clearway_scene::Scene;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
+use serde_json::json;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -223,7 +226,21 @@ impl Planner {
         plan.seed = request.seed;
         plan.timing = timing;
         plan.stats = stats;
+        if status == Status::Solved {
+            plan.lower_bound = Some(self.lower_bound(plan.removed.len(), &request.budget));
+        }
         Answer { plan, stopped }
+    }
+
+    /// A lower bound on the removals of every plan over the declared grasps; `removed`: those of a plan.
+    fn lower_bound(&self, removed: usize, budget: &Budget) -> LowerBound {
+        let Self { world, inverse, settings, scene, .. } = self;
+        let prover = Prover { world, inverse, settings: &settings.ways, names: &scene.names };
+        // Out of time there is still the target.
+        match prover.bound(scene.target, removed, budget).ok().flatten().filter(|bound| bound.removed > 1) {
+            Some(bound) => LowerBound { removed: bound.removed, kind: "grasps".to_owned(), proof: json!(bound.proof) },
+            None => LowerBound { removed: 1, kind: "geometric".to_owned(), proof: json!({ "barriers": [] }) },
+        }
     }
 
     fn search(&mut self, run: &mut Run) -> Outcome {
@@ -364,7 +381,7 @@ impl Planner {
         Ok(match free.first() {
             Some(first) => Some(*first),
             // The roadmap may show a way round what still stands.
-            None if self.add_route(object, removed) => self.free_ways(object, removed, 1, budget)?.first().copied(),
+            None if self.add_routes(object, removed) => self.free_ways(object, removed, 1, budget)?.first().copied(),
             None => None,
         })
     }
@@ -381,17 +398,19 @@ impl Planner {
         Ok(true)
     }
 
-    /// Adds ways along the roadmap's route out for an object, when there is one and it bends.
-    fn add_route(&mut self, object: ObjectId, removed: &ObjectSet) -> bool {
+    /// Adds ways along the roadmap's routes out for an object, as far as there are any.
+    fn add_routes(&mut self, object: ObjectId, removed: &ObjectSet) -> bool {
+        let Self { world, floor, roadmap, ways, .. } = self;
+        let Some(ways) = ways[object.index()].as_mut() else { return false };
         let at = self.scene.objects[object.index()].pose.translation.truncate();
-        let Some(route) = self.roadmap.route(&self.floor, at, &removed.with(object)) else { return false };
-        if route.len() < 3 {
-            return false;
-        }
-        if let Some(ways) = self.ways[object.index()].as_mut() {
-            ways.add_route(&route);
-        }
-        true
+        let standoff = world.model.robot.grasps.standoff;
+        ways.add_routes(&world.poses[object.index()], |back| {
+            // Straight until the hand is clear of where the object stood; the roadmap leads on.
+            let turned = (world.world_from_root.rotation * back.extend(0.0)).truncate();
+            let drawn = turned * standoff;
+            let route = roadmap.route(floor, at + drawn, &removed.with(object))?;
+            Some(Arc::new([Vec2::ZERO].into_iter().chain(route.iter().map(|p| *p - at)).collect()))
+        })
     }
 
     /// Plans the motions of a sequence whose objects can all be picked. Steps already planned for
@@ -501,7 +520,6 @@ impl Planner {
             inverse: &self.inverse,
             floor: &self.floor,
             settings: &self.settings.ways,
-            all: ObjectSet::first(self.scene.objects.len()),
             partial: self.partial_ways.contains(object),
         };
         let ways = match &mut self.ways[object.index()] {

@@ -7,7 +7,7 @@ use crate::roadmap::Roadmap;
 use crate::ways::{Stage, Ways};
 use clearway_collision::World;
 use clearway_plan::plan_file::{
-    GraphNodeTrace, GraphTrace, JointLimits, LowerBound, MeshFile, ObjectWhy, PlanFile, PlannedHand, PlannedRobot, RoadmapTrace, Stats,
+    GraphNodeTrace, GraphTrace, JointLimits, MeshFile, ObjectWhy, PlanFile, PlannedHand, PlannedRobot, RoadmapTrace, Stats,
     Status, Timing, Trace, Why,
 };
 use clearway_plan::robot_file::HandKind;
@@ -39,11 +39,6 @@ pub fn plan_file(
         None => why_not(view, status, obstruction, stopped),
     };
     let removed = sequence.map_or(Vec::new(), |s| s.objects.iter().map(|o| view.scene.names[o.index()].clone()).collect());
-    let lower_bound = sequence.map(|_| LowerBound {
-        removed: 1,
-        kind: "geometric".to_owned(),
-        proof: serde_json::json!({ "barriers": [] }),
-    });
     PlanFile {
         format: plan_file::FORMAT.to_owned(),
         status,
@@ -51,7 +46,7 @@ pub fn plan_file(
         scene: view.scene.file.clone(),
         robot: planned_robot(&view.world.model.robot, &view.world.model.unchecked, view.scene),
         removed,
-        lower_bound,
+        lower_bound: None,
         steps: carried.into_iter().map(|c| c.step).collect(),
         trace: Some(trace(view, sequence)),
         timing: Timing::default(),
@@ -97,6 +92,7 @@ fn planned_robot(robot: &Robot, unchecked: &[[String; 2]], scene: &Scene) -> Pla
                 HandKind::Parallel => None,
             },
         },
+        grasps: Some(robot.grasps.clone()),
         unchecked_pairs: unchecked.to_vec(),
         meshes,
     }
@@ -171,7 +167,8 @@ fn why_solved(view: &View, sequence: &Sequence, carried: &[Carried]) -> Why {
                 format!("`{name}` stands on the way out of `{target}` in the roadmap")
             } else {
                 let list = blocked.iter().map(|b| format!("`{b}`")).collect::<Vec<_>>().join(" and ");
-                format!("`{name}` stands in the way of the hand, the arm or the carried object when {list} is taken")
+                let is = if blocked.len() > 1 { "are" } else { "is" };
+                format!("`{name}` stands in the way of the hand, the arm or the carried object when {list} {is} taken")
             };
             ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..learned(view, object) }
         })

@@ -125,20 +125,27 @@ impl Counts {
 }
 
 impl Ways {
-    /// Adds ways that draw the object out along a route: world points, the first where it stands.
-    pub fn add_route(&mut self, route: &[Vec2]) {
-        let Some(first) = route.first() else { return };
-        let offsets: Arc<Vec<Vec2>> = Arc::new(route.iter().map(|p| *p - *first).collect());
+    /// Adds ways that draw the object out straight as far as the standoff, and then along a route if
+    /// `route` knows one from there: it is asked with the direction back, level and in the root frame,
+    /// and answers with offsets from where the object stands.
+    pub fn add_routes(&mut self, object: &Pose, mut route: impl FnMut(Vec2) -> Option<Arc<Vec<Vec2>>>) -> bool {
+        let mut known: Vec<(Vec2, Option<Arc<Vec<Vec2>>>)> = Vec::new();
+        let before = self.ways.len();
         for i in 0..self.straight {
-            // What the grasp posture touches is known from the straight way with the same posture.
             let way = &self.ways[i];
-            self.ways.push(Way {
-                postures: vec![way.postures[0].clone()],
-                stage: Stage::Grasp,
-                route: offsets.clone(),
-                ..way.clone()
-            });
+            let back = -(object.rotation * self.grasps[way.grasp].object_from_tool.rotation.z_axis).truncate();
+            let found = match known.iter().find(|(direction, _)| direction.abs_diff_eq(back, 1e-9)) {
+                Some((_, found)) => found.clone(),
+                None => {
+                    known.push((back, route(back)));
+                    known[known.len() - 1].1.clone()
+                }
+            };
+            let Some(route) = found else { continue };
+            // What the grasp posture touches is known from the straight way with the same posture.
+            self.ways.push(Way { postures: vec![way.postures[0].clone()], stage: Stage::Grasp, route, ..way.clone() });
         }
+        self.ways.len() > before
     }
 
     /// What became of the grasp postures, those not looked at included.
@@ -157,8 +164,6 @@ pub struct Explorer<'a> {
     pub inverse: &'a InverseKinematics,
     pub floor: &'a Floor,
     pub settings: &'a Settings,
-    /// All objects of the scene.
-    pub all: ObjectSet,
     /// Ways that end among the clutter count, too.
     pub partial: bool,
 }
@@ -258,7 +263,8 @@ impl Explorer<'_> {
         let start = world.poses[object.index()] * grasp.object_from_tool;
         let back = -start.rotation.z_axis;
         let lifted = start.translation + world.up() * self.settings.lift;
-        let standoff = world.model.robot.grasps.standoff;
+        // Not one step more for rounding.
+        let standoff = world.model.robot.grasps.standoff - 1e-9;
         let standing = world.world_from_root * world.poses[object.index()];
         let below = standing.translation.z - world.solids[object.index()].aabb(standing).0.z;
         // Along a bend the hand comes in sideways in the end: it must not sweep through the object.
@@ -320,28 +326,15 @@ impl Explorer<'_> {
                 (reached, clear) = outs[lane];
             }
         }
-        if postures.len() > 2 && (reached >= standoff || clear) {
+        if reached >= standoff {
             Drawn::Out { postures, blocked_by, clear }
         } else {
             Drawn::Stuck
         }
     }
 
-    /// The hand open and the object in it: what is touched then is in the way of coming or going.
     fn moment(&self, object: ObjectId, grasp: &Grasp) -> Moment {
-        let world = self.world;
-        let (fixtures_below, objects_below) = world.carriers[object.index()].clone();
-        let mut moment = Moment::new(self.all.difference(ObjectSet::of(object)), world.model.robot.hand.open(), self.settings.margin);
-        moment.held_margin = self.settings.held_margin;
-        moment.held = Some(Held {
-            object,
-            parts: world.carried[object.index()].clone(),
-            tool_from_object: grasp.object_from_tool.inverse(),
-            fixtures_below,
-            objects_below,
-            kernel: None,
-        });
-        moment
+        moment(self.world, self.settings, object, grasp)
     }
 
     /// Whether a way leads where it should, for all that is known.
@@ -441,6 +434,24 @@ impl Explorer<'_> {
             };
         }
     }
+}
+
+/// The hand open and the object in it, all others standing: what is touched then is in the way of coming
+/// or going.
+pub(crate) fn moment(world: &World, settings: &Settings, object: ObjectId, grasp: &Grasp) -> Moment {
+    let (fixtures_below, objects_below) = world.carriers[object.index()].clone();
+    let others = ObjectSet::first(world.objects.len()).difference(ObjectSet::of(object));
+    let mut moment = Moment::new(others, world.model.robot.hand.open(), settings.margin);
+    moment.held_margin = settings.held_margin;
+    moment.held = Some(Held {
+        object,
+        parts: world.carried[object.index()].clone(),
+        tool_from_object: grasp.object_from_tool.inverse(),
+        fixtures_below,
+        objects_below,
+        kernel: None,
+    });
+    moment
 }
 
 /// The point at a distance along a polyline; `None` past its end.

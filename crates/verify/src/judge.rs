@@ -3,7 +3,7 @@
 use crate::case::Case;
 use crate::error::CannotJudge;
 use crate::report::{Report, ViolationKind};
-use crate::{carry, claims, collisions, gripper, jerk, limits, names, rows, steps, unchecked};
+use crate::{carry, claims, collisions, grasps, gripper, jerk, limits, names, rows, steps, unchecked};
 use clearway_plan::plan_file::{FORMAT, Status};
 use clearway_plan::{Budget, PlanFile};
 use std::path::Path;
@@ -14,6 +14,11 @@ use std::path::Path;
 /// URDF or scene that makes no sense, a mesh that is missing or another, the budget spent. When the
 /// plan's structure is so broken that rows cannot be read, only structure is reported.
 pub fn verify(plan: &PlanFile, plan_directory: &Path, budget: &Budget) -> Result<Report, CannotJudge> {
+    judge(plan, plan_directory, budget, true)
+}
+
+/// The same; the lower bound's proof, which has nothing to do with the motions, only on demand.
+pub(crate) fn judge(plan: &PlanFile, plan_directory: &Path, budget: &Budget, with_proof: bool) -> Result<Report, CannotJudge> {
     let mut report = Report::default();
     if plan.format != FORMAT {
         report.plan(ViolationKind::Format, format!("the format is {:?}; expected {FORMAT:?}", plan.format));
@@ -31,6 +36,9 @@ pub fn verify(plan: &PlanFile, plan_directory: &Path, budget: &Budget) -> Result
     let names = names::resolve(plan, &case.model, &mut report);
     let objects = steps::check(plan, &case, &mut report);
     let Some(names) = names else { return Ok(report) };
+    if with_proof {
+        grasps::check(plan, &case, &names, budget, &mut report)?;
+    }
     let Some(tracks) = rows::tracks(plan, &case.model, &names, &mut report) else { return Ok(report) };
     report.checked.steps = plan.steps.len();
     report.checked.segments = tracks.len();

@@ -13,7 +13,7 @@
 //! # Ok::<(), clearway_verify::CannotJudge>(())
 //! ```
 //!
-//! It does not judge: the proof of a lower bound (beyond the trivial one), stability of what stands,
+//! It does not judge: proofs of lower bounds for other hands and arms than [`grasps`] knows, stability of what stands,
 //! the force of a grip, and the motion of an object that is pushed without being attached.
 //! Those are listed in [`Report::not_checked`] where a plan has them.
 
@@ -24,6 +24,7 @@ mod claims;
 mod collisions;
 mod error;
 mod gap;
+mod grasps;
 mod gripper;
 mod jerk;
 mod judge;

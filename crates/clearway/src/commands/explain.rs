@@ -4,7 +4,11 @@ use super::output::print;
 use crate::cli::ExplainArgs;
 use crate::exit::{Exit, Failure};
 use clearway::PlanFile;
-use clearway_plan::plan_file::{ObjectWhy, Status};
+use clearway_plan::plan_file::{LowerBound, ObjectWhy, Status};
+use clearway_plan::proof::{Branch, GraspsProof, ObjectCase};
+
+/// Sets of objects named for each object of a proof.
+const SHOWN: usize = 6;
 
 pub fn run(args: &ExplainArgs) -> Result<Exit, Failure> {
     let plan = clearway::read_plan(&args.plan)?;
@@ -21,7 +25,8 @@ fn text(plan: &PlanFile) -> String {
             out += &format!("{}\n", plan.why.summary);
             if let Some(bound) = &plan.lower_bound {
                 let gap = plan.removed.len().saturating_sub(bound.removed);
-                out += &format!("Removed {}, at least {} needed ({} proof), gap {gap}.\n", plan.removed.len(), bound.removed, bound.kind);
+                out += &format!("Removed {}, at least {} needed, gap {gap}; the proof: ", plan.removed.len(), bound.removed);
+                out += &proof(bound);
             }
         }
         Status::Impossible => out += &format!("impossible\n{}\n", plan.why.summary),
@@ -41,6 +46,50 @@ fn text(plan: &PlanFile) -> String {
         s.retrieval_nodes
     );
     out
+}
+
+/// What proves the bound, in words.
+fn proof(bound: &LowerBound) -> String {
+    match serde_json::from_value::<GraspsProof>(bound.proof.clone()) {
+        Ok(proof) if bound.kind == "grasps" => {
+            let stretch = format!("the straight {} m before them", proof.standoff);
+            let objects: Vec<String> = proof.objects.iter().map(blocked).collect();
+            format!("what blocks the declared grasps, or {stretch},\n{}", objects.concat())
+        }
+        _ if bound.removed == 1 => "the target has to go.\n".to_owned(),
+        _ => format!("kind {:?}.\n", bound.kind),
+    }
+}
+
+/// One object's grasps in a line or two.
+fn blocked(case: &ObjectCase) -> String {
+    let holding = case.grasps.iter().filter(|g| g.holds).count();
+    let branches: Vec<&Branch> = case.grasps.iter().flat_map(|g| &g.branches).collect();
+    let mut sets: Vec<&Vec<String>> = branches.iter().filter_map(|b| b.blocked_by.as_ref()).collect();
+    let open = sets.len();
+    sets.sort_by_key(|s| s.len());
+    let mut least: Vec<&Vec<String>> = Vec::new();
+    for set in sets {
+        if !least.iter().any(|l| l.iter().all(|o| set.contains(o))) {
+            least.push(set);
+        }
+    }
+    let by = match least.first() {
+        None => "nothing helps".to_owned(),
+        Some(first) if first.is_empty() => "some are free as things stand".to_owned(),
+        Some(_) => {
+            let shown: Vec<String> = least.iter().take(SHOWN).map(|s| format!("{{{}}}", s.join(", "))).collect();
+            let more = least.len().saturating_sub(SHOWN);
+            let more = if more > 0 { format!(", or {more} other sets") } else { String::new() };
+            format!("before it has to go {}{more}", shown.join(" or "))
+        }
+    };
+    format!(
+        "  {}: {holding} of {} grasps hold, in {} postures, {open} of them not ruled out for good; {by}\n",
+        case.object,
+        case.grasps.len(),
+        branches.len(),
+    )
 }
 
 /// What was learned about each object, a paragraph each.

@@ -83,7 +83,7 @@ pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> Stri
 
 fn bound(plan: &PlanFile) -> String {
     match &plan.lower_bound {
-        Some(b) => format!(", at least {} needed ({})", b.removed, b.kind),
+        Some(b) => format!(", at least {} needed ({})", b.removed, if b.kind == "grasps" { "declared grasps" } else { &b.kind }),
         None => String::new(),
     }
 }

@@ -188,6 +188,7 @@ fn robot() -> PlannedRobot {
             finger_thickness: 0.01,
             radius: None,
         },
+        grasps: None,
         unchecked_pairs: pairs.map(|p| p.map(str::to_owned)).to_vec(),
         meshes: Vec::new(),
         joints: joints.to_vec(),

@@ -1,0 +1,40 @@
+//! The grasps that a robot file declares, as poses of the tool in an object's frame: written afresh.
+
+use crate::shapes::{Piece, extent, pose_from};
+use clearway_plan::robot_file::{GraspKind, Grasps};
+use parry3d_f64::math::{Pose, Rotation, Vector};
+use std::f64::consts::{PI, TAU};
+
+/// An object deeper than this is held with the finger tips, too, [`PAD`] behind its front: metres.
+const DEEP: f64 = 0.09;
+const PAD: f64 = 0.02;
+
+/// The poses for a parallel hand round an object that stands at `world_from_object`, in the order of the
+/// file. `flips`: whether the hand may be upside down, too.
+pub(super) fn declared(grasps: &Grasps, pieces: &[Piece], world_from_object: &Pose, flips: bool) -> Option<Vec<Pose>> {
+    if grasps.kind == GraspKind::List || !grasps.list.is_empty() {
+        return grasps.list.iter().map(|keys| pose_from(keys.position, keys.rpy, keys.quaternion)).collect();
+    }
+    let mut poses = Vec::new();
+    for &height in &grasps.heights {
+        for i in 0..grasps.yaws {
+            // Seen along the way that the hand points: x across, y up, z forward.
+            let turn = Rotation::from_rotation_z(TAU * i as f64 / grasps.yaws as f64);
+            let world_from_hand = Pose::from_rotation(turn * Rotation::from_xyzw(0.5, 0.5, 0.5, 0.5));
+            let (low, high) = extent(pieces, &world_from_hand.inv_mul(world_from_object));
+            let middle = (low + high) / 2.0;
+            let up = low.y + height * (high.y - low.y);
+            let deep = (high.z - low.z > DEEP).then_some(low.z + PAD);
+            for forward in [Some(middle.z), deep].into_iter().flatten() {
+                let at = Pose::from_translation(Vector::new(middle.x, up, forward));
+                poses.push(world_from_object.inv_mul(&(world_from_hand * at)));
+            }
+        }
+    }
+    if flips {
+        let flip = Pose::from_rotation(Rotation::from_rotation_z(PI));
+        let flipped: Vec<Pose> = poses.iter().map(|p| *p * flip).collect();
+        poses.extend(flipped);
+    }
+    Some(poses)
+}
