@@ -4,7 +4,7 @@
 //! hand open and the arm in some branch of its inverse kinematics, and leaves with it the same way,
 //! raised a little. What comes too near on that stretch has to be gone before. That holds for the target and
 //! for each object in its way; the fewest removals that agree with it ([`crate::order`]) are a lower
-//! bound. It needs an inverse kinematics that finds every branch.
+//! bound. It needs an inverse kinematics that finds every branch, and links without meshes.
 //!
 //! Only what is near the answer is looked at: other objects are taken to be free to go.
 
@@ -49,9 +49,10 @@ struct Known {
 
 impl Prover<'_> {
     /// The bound, given that there is a plan with `most` removals: more would prove nothing. `None`
-    /// where the method does not know every branch.
+    /// where the inverse kinematics is no complete one, and for links given as meshes: here they are
+    /// their hulls, and what meets a hull need not meet the mesh.
     pub fn bound(&self, target: ObjectId, most: usize, budget: &Budget) -> Result<Option<Bound>, Stop> {
-        if !self.inverse.complete() {
+        if !self.inverse.complete() || !self.world.model.robot.meshes.is_empty() {
             return Ok(None);
         }
         let mut known: Vec<Option<Known>> = self.names.iter().map(|_| None).collect();

@@ -28,8 +28,11 @@ pub fn order_within(ways: &WaysIn, set: &ObjectSet) -> Vec<ObjectId> {
     }
 }
 
+/// Sets looked at before a search is given up: seconds.
+const MOST_SETS: usize = 300_000;
+
 /// The fewest removals of at most `most`, the target included and last; `None` when there is no such
-/// order. Of equally few any.
+/// order. Of equally few any. [`Stop::Iterations`] where there are too many sets to look at.
 pub fn fewest(ways: &WaysIn, target: ObjectId, most: usize, budget: &Budget) -> Result<Option<Vec<ObjectId>>, Stop> {
     let lacking = |object: ObjectId, set: &ObjectSet| ways[object.index()].iter().map(|w| w.difference(*set).len()).min();
     // The size of any answer above a set is at least this; `None` when there is none.
@@ -46,8 +49,13 @@ pub fn fewest(ways: &WaysIn, target: ObjectId, most: usize, budget: &Budget) -> 
         }
     };
     push(&mut queue, ObjectSet::of(target));
+    let mut looked = 0;
     while let Some(Reverse((_, _, set))) = queue.pop() {
         budget.check()?;
+        looked += 1;
+        if looked > MOST_SETS {
+            return Err(Stop::Iterations);
+        }
         let order = order_within(ways, &set);
         if order.contains(&target) {
             // An answer without some of them would have come first, so all go, the target last.
