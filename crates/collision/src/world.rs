@@ -2,6 +2,7 @@
 
 use crate::lanes::{Obstacles, Relative};
 use crate::model::{CollisionModel, TAGS_PER_LINK};
+use crate::moment::Held;
 use crate::obstacle::{MovingPart, Obstacle};
 use crate::quick::pieces;
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
@@ -132,6 +133,18 @@ impl World {
     pub fn placed(&self, object: ObjectId, root_from_object: &Pose) -> Arc<Obstacle> {
         let tag = self.objects[object.index()].parts.first().map_or(0, |p| p.tag);
         Arc::new(Obstacle::new(&self.solids[object.index()], root_from_object, tag))
+    }
+
+    /// An object in the hand, gripped at `object_from_tool`; nothing carries it.
+    pub fn in_hand(&self, object: ObjectId, object_from_tool: &Pose) -> Held {
+        Held {
+            object,
+            parts: self.carried[object.index()].clone(),
+            tool_from_object: object_from_tool.inverse(),
+            fixtures_below: Vec::new(),
+            objects_below: ObjectSet::EMPTY,
+            kernel: None,
+        }
     }
 
     /// The fixtures and standing objects that carry an object at rest at `root_from_object`: those

@@ -82,9 +82,10 @@ fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Ti
         let wanted = paced.duration();
         learn(&mut bounds, &found.excess, &paced);
         spline = Spline::new(steps, &paced);
-        // What is above limits only here and there is slowed down there.
-        for _ in 0..TOUCHES {
-            if round < 1 || found.slowdown() < CLOSE {
+        // What is above limits only here and there is slowed down there; after the first round it is more.
+        let touches = if round > 0 { TOUCHES } else { 0 };
+        for _ in 0..touches {
+            if found.slowdown() < CLOSE {
                 break;
             }
             let slower = paced.slowed(&found.excess);

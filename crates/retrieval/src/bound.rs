@@ -8,9 +8,9 @@
 //!
 //! Only what is near the answer is looked at: other objects are taken to be free to go.
 
-use crate::grasps::{Grasp, declared, preset_grasps};
+use crate::grasps::{Grasp, declared};
 use crate::order::{self, WaysIn};
-use crate::ways;
+use crate::ways::{self, REACH};
 use clearway_collision::lanes::{LANES, Suspects};
 use clearway_collision::{Moment, Quick, Scratch, Touch, World};
 use clearway_geometry::Pose;
@@ -21,8 +21,6 @@ use clearway_robot::InverseKinematics;
 
 /// Between the postures looked at on the stretch, metres.
 const STEP: f64 = 0.02;
-/// No joint turns farther from one posture to the next, radians.
-const REACH: f64 = 0.6;
 /// What is this much nearer than plans allow is too near beyond doubt, metres.
 const DOUBT: f64 = 5e-5;
 
@@ -87,15 +85,12 @@ impl Prover<'_> {
     fn look(&self, object: ObjectId, most: usize, scratch: &mut Scratch, budget: &Budget) -> Result<Known, Stop> {
         let world = self.world;
         let mut known = Known::default();
-        let (grasps, _) = preset_grasps(world, object);
-        let mut held = grasps.iter().peekable();
+        let declared = declared(world, object);
         let mut postures: Vec<(usize, &Grasp, Posture)> = Vec::new();
-        for pose in declared(world, object) {
+        for (pose, grasp) in &declared {
             budget.check()?;
-            // What holds keeps its place in the list.
-            let grasp = held.next_if(|grasp| grasp.object_from_tool == pose);
             if let Some(grasp) = grasp {
-                let branches = self.inverse.solve(&(world.poses[object.index()] * pose), &world.model.robot.home);
+                let branches = self.inverse.solve(&(world.poses[object.index()] * *pose), &world.model.robot.home);
                 postures.extend(branches.into_iter().map(|q| (known.cases.len(), grasp, q)));
             }
             known.cases.push(GraspCase {
@@ -105,7 +100,7 @@ impl Prover<'_> {
                 branches: Vec::new(),
             });
         }
-        let Some(first) = grasps.first() else { return Ok(known) };
+        let Some((_, first, _)) = postures.first() else { return Ok(known) };
         let mut quick = Quick::links(world, &self.moment(object, first, false));
         let mut suspects = Suspects::default();
         for some in postures.chunks(LANES) {
@@ -182,12 +177,8 @@ impl Prover<'_> {
 
     /// As ways are looked at, only a little nearer.
     fn moment(&self, object: ObjectId, grasp: &Grasp, resting: bool) -> Moment {
-        let settings = ways::Settings {
-            margin: self.settings.margin - DOUBT,
-            held_margin: self.settings.held_margin - DOUBT,
-            ..self.settings.clone()
-        };
-        Moment { resting, ..ways::moment(self.world, &settings, object, grasp) }
+        let moment = ways::moment(self.world, self.settings, object, grasp);
+        Moment { resting, margin: moment.margin - DOUBT, held_margin: moment.held_margin - DOUBT, ..moment }
     }
 }
 

@@ -336,14 +336,7 @@ impl<R: Rng> Carrier<'_, R> {
         let scene_pose = world.world_from_root * world.poses[object.index()];
         let base = world.world_from_root.translation.truncate();
         let forward = (scene_pose * grasp.object_from_tool).rotation.z_axis.truncate();
-        let mut held = Held {
-            object,
-            parts: world.carried[object.index()].clone(),
-            tool_from_object: grasp.object_from_tool.inverse(),
-            fixtures_below: Vec::new(),
-            objects_below: ObjectSet::EMPTY,
-            kernel: None,
-        };
+        let mut held = world.in_hand(object, &grasp.object_from_tool);
         held.kernel = Some(world.model.holding(&held.solid()));
         let mut tries = 0;
         let mut blamed = ObjectSet::EMPTY;

@@ -29,8 +29,9 @@ const TOUCH: f64 = 0.0005;
 /// … and close up to this.
 const FIRM: f64 = 2e-5;
 
-/// The poses of the tool that the robot file declares for an object, in its frame.
-pub fn declared(world: &World, object: ObjectId) -> Vec<Pose> {
+/// The poses of the tool that the robot file declares for an object, in its frame, and the grasp where
+/// the hand can hold it: not where it is too wide, or out of the fingers' reach.
+pub fn declared(world: &World, object: ObjectId) -> Vec<(Pose, Option<Grasp>)> {
     let robot = &world.model.robot;
     let solid = &world.solids[object.index()];
     let world_from_object = world.world_from_root * world.poses[object.index()];
@@ -51,25 +52,23 @@ pub fn declared(world: &World, object: ObjectId) -> Vec<Pose> {
         let flipped: Vec<Pose> = poses.iter().map(|p| *p * flip).collect();
         poses.extend(flipped);
     }
-    poses
+    let mut fingers = Fingers::new(world, solid);
+    let mut grasp = |object_from_tool: Pose| {
+        let closed = match robot.hand.kind {
+            HandKind::Suction { .. } => Some(0.0),
+            HandKind::Parallel => fingers.close(&object_from_tool),
+        };
+        (object_from_tool, closed.map(|closed| Grasp { object_from_tool, closed }))
+    };
+    poses.into_iter().map(&mut grasp).collect()
 }
 
-/// The declared grasps that hold an object, and how many do not because it is too wide.
+/// The declared grasps that hold an object, and how many do not.
 pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
-    let robot = &world.model.robot;
-    let solid = &world.solids[object.index()];
-    let mut fingers = Fingers::new(world, solid);
-    let mut dropped = 0;
-    let mut grasps = Vec::new();
-    for object_from_tool in declared(world, object) {
-        match robot.hand.kind {
-            HandKind::Suction { .. } => grasps.push(Grasp { object_from_tool, closed: 0.0 }),
-            HandKind::Parallel => match fingers.close(&object_from_tool) {
-                Some(closed) => grasps.push(Grasp { object_from_tool, closed }),
-                None => dropped += 1,
-            },
-        }
-    }
+    let declared = declared(world, object);
+    let count = declared.len();
+    let grasps: Vec<Grasp> = declared.into_iter().filter_map(|(_, grasp)| grasp).collect();
+    let dropped = count - grasps.len();
     (grasps, dropped)
 }
 

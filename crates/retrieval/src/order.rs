@@ -17,7 +17,7 @@ use std::collections::{BinaryHeap, HashSet};
 pub type WaysIn = Vec<Vec<ObjectSet>>;
 
 /// The objects of `set` that can be taken with no others gone, in an order in which they can.
-pub fn order_within(ways: &WaysIn, set: &ObjectSet) -> Vec<ObjectId> {
+fn order_within(ways: &WaysIn, set: &ObjectSet) -> Vec<ObjectId> {
     let mut gone = ObjectSet::EMPTY;
     let mut order = Vec::new();
     loop {

@@ -44,6 +44,9 @@ impl Default for Settings {
     }
 }
 
+/// No joint turns farther from one posture of a way to the next, radians.
+pub(crate) const REACH: f64 = 0.6;
+
 /// How far a way has been looked into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
@@ -291,7 +294,7 @@ impl Explorer<'_> {
                     break;
                 };
                 let target = Pose::new(start.rotation, lifted + moved);
-                let Some(posture) = self.inverse.follow(&target, &postures, 0.6) else {
+                let Some(posture) = self.inverse.follow(&target, &postures, REACH) else {
                     ends = true;
                     break;
                 };
@@ -443,14 +446,7 @@ pub(crate) fn moment(world: &World, settings: &Settings, object: ObjectId, grasp
     let others = ObjectSet::first(world.objects.len()).difference(ObjectSet::of(object));
     let mut moment = Moment::new(others, world.model.robot.hand.open(), settings.margin);
     moment.held_margin = settings.held_margin;
-    moment.held = Some(Held {
-        object,
-        parts: world.carried[object.index()].clone(),
-        tool_from_object: grasp.object_from_tool.inverse(),
-        fixtures_below,
-        objects_below,
-        kernel: None,
-    });
+    moment.held = Some(Held { fixtures_below, objects_below, ..world.in_hand(object, &grasp.object_from_tool) });
     moment
 }
 

@@ -46,15 +46,14 @@ pub(crate) fn check(
     report: &mut Report,
 ) -> Result<(), CannotJudge> {
     let Some(bound) = plan.lower_bound.as_ref().filter(|b| b.kind == "grasps") else { return Ok(()) };
-    match Judge::new(plan, case, names, bound) {
-        Ok(judge) => match judge.false_claim(bound.removed, budget)? {
-            Verdict::Proved => {}
-            Verdict::Unknown(why) => report.not_checked.push(why),
-            Verdict::False(why) => report.plan(ViolationKind::LowerBound, why),
-        },
-        Err(Verdict::False(why)) => report.plan(ViolationKind::LowerBound, why),
-        Err(Verdict::Unknown(why)) => report.not_checked.push(why),
-        Err(Verdict::Proved) => {}
+    let verdict = match Judge::new(plan, case, names, bound) {
+        Ok(judge) => judge.verdict(bound.removed, budget)?,
+        Err(verdict) => verdict,
+    };
+    match verdict {
+        Verdict::Proved => {}
+        Verdict::Unknown(why) => report.not_checked.push(why),
+        Verdict::False(why) => report.plan(ViolationKind::LowerBound, why),
     }
     Ok(())
 }
@@ -118,7 +117,7 @@ impl<'a> Judge<'a> {
 }
 
 impl Judge<'_> {
-    fn false_claim(&self, removed: usize, budget: &Budget) -> Result<Verdict, CannotJudge> {
+    fn verdict(&self, removed: usize, budget: &Budget) -> Result<Verdict, CannotJudge> {
         let mut ways: Vec<Option<Vec<BTreeSet<usize>>>> = vec![None; self.case.objects.len()];
         for listed in &self.proof.objects {
             let Some(object) = self.case.object(&listed.object) else {
@@ -134,11 +133,11 @@ impl Judge<'_> {
         let Some(target) = self.case.object(&self.plan.scene.target) else {
             return Ok(Verdict::Unknown("the lower bound: the target is no object".to_owned()));
         };
-        Ok(match fewer(&ways, target, removed, budget)? {
-            Some(None) => Verdict::Proved,
-            Some(Some(count)) => Verdict::False(format!(
+        Ok(match fewest(&ways, target, removed, budget)? {
+            Some(count) if count < removed => Verdict::False(format!(
                 "lower_bound.removed is {removed}, but its proof leaves open that {count} are enough"
             )),
+            Some(_) => Verdict::Proved,
             None => Verdict::Unknown("the lower bound: too many sets to search".to_owned()),
         })
     }
@@ -332,15 +331,14 @@ impl Stretch<'_, '_> {
     }
 }
 
-/// A number of removals below `claimed` that the sets leave open, if there is one: forwards, all sets of
-/// so many objects that can be removed. Objects without sets may go at any time. `None`: too many.
-#[allow(clippy::option_option)]
-fn fewer(
+/// The fewest removals that the sets leave open, or `claimed` if that is fewer: forwards, all sets of so
+/// many objects that can be removed. Objects without sets may go at any time. `None`: too many.
+fn fewest(
     ways: &[Option<Vec<BTreeSet<usize>>>],
     target: usize,
     claimed: usize,
     budget: &Budget,
-) -> Result<Option<Option<usize>>, CannotJudge> {
+) -> Result<Option<usize>, CannotJudge> {
     let open = |object: usize, gone: &BTreeSet<usize>| {
         ways[object].as_ref().is_none_or(|sets| sets.iter().any(|s| s.is_subset(gone)))
     };
@@ -358,7 +356,7 @@ fn fewer(
                 return Ok(None);
             }
             if open(target, gone) {
-                return Ok(Some(Some(removed + 1)));
+                return Ok(Some(removed + 1));
             }
             for &object in relevant.difference(gone) {
                 if open(object, gone) {
@@ -370,7 +368,7 @@ fn fewer(
         }
         level = next;
     }
-    Ok(Some(None))
+    Ok(Some(claimed))
 }
 
 #[cfg(test)]
@@ -381,21 +379,23 @@ mod tests {
         Some(all.iter().map(|s| s.iter().copied().collect()).collect())
     }
 
-    /// Below what number the search finds nothing.
-    fn fewest(ways: &[Option<Vec<BTreeSet<usize>>>]) -> usize {
-        let below = |n: usize| fewer(ways, 0, n, &Budget::unlimited()).expect("no limit").expect("few sets");
-        (1..9).take_while(|n| below(*n).is_none()).last().unwrap_or(0)
+    /// For every claim that is not too high the claim itself is the answer.
+    fn found(ways: &[Option<Vec<BTreeSet<usize>>>]) -> usize {
+        let of = |claimed: usize| fewest(ways, 0, claimed, &Budget::unlimited()).expect("no limit").expect("few sets");
+        let found = of(8);
+        assert!((1..=8).all(|claimed| of(claimed) == claimed.min(found)));
+        found
     }
 
     #[test]
     fn the_fewest_by_hand() {
         // Taken at once; after either of two; after both; behind one another; behind a circle, or the long way.
-        assert_eq!(fewest(&[sets(&[&[]]), None]), 1);
-        assert_eq!(fewest(&[sets(&[&[1], &[2]]), None, None]), 2);
-        assert_eq!(fewest(&[sets(&[&[1, 2]]), None, None]), 3);
-        assert_eq!(fewest(&[sets(&[&[1]]), sets(&[&[2]]), sets(&[&[3]]), None]), 4);
-        assert_eq!(fewest(&[sets(&[&[1], &[3, 4, 5]]), sets(&[&[2]]), sets(&[&[1]]), None, None, None]), 4);
+        assert_eq!(found(&[sets(&[&[]]), None]), 1);
+        assert_eq!(found(&[sets(&[&[1], &[2]]), None, None]), 2);
+        assert_eq!(found(&[sets(&[&[1, 2]]), None, None]), 3);
+        assert_eq!(found(&[sets(&[&[1]]), sets(&[&[2]]), sets(&[&[3]]), None]), 4);
+        assert_eq!(found(&[sets(&[&[1], &[3, 4, 5]]), sets(&[&[2]]), sets(&[&[1]]), None, None, None]), 4);
         // None at all: every claim holds.
-        assert_eq!(fewest(&[sets(&[]), None]), 8);
+        assert_eq!(found(&[sets(&[]), None]), 8);
     }
 }
