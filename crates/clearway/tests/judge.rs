@@ -32,6 +32,12 @@ fn planned(objects: usize, seed: u64) -> PlanFile {
     }
 }
 
+/// The bottle's rim passed the shelf's front edge between two rows 3 mm apart, 0.27 mm deep.
+#[test]
+fn edges_that_pass_between_rows() {
+    assert_eq!(planned(6, 1185).removed.len(), 2);
+}
+
 /// What became of one kind of fault.
 struct Row {
     name: &'static str,

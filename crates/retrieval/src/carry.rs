@@ -35,6 +35,9 @@ pub struct Settings {
     /// Room kept from everything while the arm moves freely, metres.
     pub margin: f64,
     /// Between checked postures no point moves farther, metres: while planning, and at the end.
+    /// Passing edge over edge, bodies that keep a room at both ends of a step may come closer in
+    /// between by half of it: half of the final step is within the room kept and the 0.1 mm that
+    /// counts as touching.
     pub step: f64,
     pub final_step: f64,
     /// Room that the finished rows keep, metres: the robot, and what it holds.
@@ -64,7 +67,7 @@ impl Default for Settings {
             shortcuts: 12,
             margin: 0.002,
             step: 0.01,
-            final_step: 0.003,
+            final_step: 0.0004,
             final_margin: 0.0004,
             final_held_margin: 0.0001,
             row: 0.016,
