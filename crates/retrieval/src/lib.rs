@@ -7,7 +7,7 @@
 //! | [`floor`] | footprint (Appendix B), x_s, x_g |
 //! | [`roadmap`] | Algorithm 2 |
 //! | [`graph`] | section IV-C, Algorithm 3, Figs. 4 to 6 |
-//! | [`grasps`], [`ways`], [`carry`] | section IV-D |
+//! | [`feasibility`], and under it [`grasps`], [`ways`], [`carry`] | section IV-D |
 //! | [`planner`] | Algorithm 1 |
 //!
 //! Beyond the paper: [`order`], the fewest removals when all ways are known; [`bound`], a lower bound and its
@@ -15,6 +15,7 @@
 
 pub mod bound;
 pub mod carry;
+pub mod feasibility;
 pub mod floor;
 pub mod graph;
 pub mod grasps;
@@ -25,5 +26,6 @@ pub mod roadmap;
 mod trace;
 pub mod ways;
 
+pub use feasibility::{Feasibility, Unfit};
 pub use graph::Search;
-pub use planner::{Answer, FirstLimit, Planner, Request, SceneDelta, Settings, Unfit};
+pub use planner::{Answer, FirstLimit, Planner, Request, SceneDelta, Settings};

@@ -1,11 +1,10 @@
 //! Writes down a session's outcome: the plan file, with what was built and why.
 
 use crate::carry::Carried;
-use crate::floor::Floor;
+use crate::feasibility::{Ending, Feasibility};
 use crate::graph::{RetrievalGraph, Sequence};
 use crate::roadmap::Roadmap;
-use crate::ways::{Stage, Ways};
-use clearway_collision::World;
+use crate::ways::Stage;
 use clearway_plan::plan_file::{
     GraphNodeTrace, GraphTrace, JointLimits, MeshFile, ObjectWhy, PlanFile, PlannedHand, PlannedRobot, RoadmapTrace, Stats,
     Status, Timing, Trace, Why,
@@ -16,42 +15,37 @@ use clearway_robot::Robot;
 use clearway_scene::Scene;
 use std::collections::BTreeMap;
 
-/// What there is to tell from.
-pub struct View<'a> {
-    pub scene: &'a Scene,
-    pub world: &'a World,
-    pub floor: &'a Floor,
-    pub roadmap: &'a Roadmap,
-    pub graph: &'a RetrievalGraph,
-    pub ways: &'a [Option<Ways>],
+/// A plan over these objects.
+pub fn solved(arm: &Feasibility, objects: &[ObjectId], carried: Vec<Carried>) -> PlanFile {
+    let names = &arm.scene.names;
+    PlanFile {
+        why: why_solved(arm, objects, &carried),
+        removed: objects.iter().map(|o| names[o.index()].clone()).collect(),
+        steps: carried.into_iter().map(|c| c.step).collect(),
+        ..without_steps(arm, Status::Solved)
+    }
 }
 
-pub fn plan_file(
-    view: &View,
-    status: Status,
-    sequence: Option<&Sequence>,
-    carried: Vec<Carried>,
-    obstruction: Option<(ObjectId, &'static str)>,
-    stopped: Option<Stop>,
-) -> PlanFile {
-    let why = match sequence {
-        Some(sequence) => why_solved(view, sequence, &carried),
-        None => why_not(view, status, obstruction, stopped),
-    };
-    let removed = sequence.map_or(Vec::new(), |s| s.objects.iter().map(|o| view.scene.names[o.index()].clone()).collect());
+/// No plan, and why; the last motion that could not be had.
+pub fn unsolved(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'static str)>) -> PlanFile {
+    let status = if matches!(ending, Ending::Impossible) { Status::Impossible } else { Status::OutOfBudget };
+    PlanFile { why: why_not(arm, ending, obstruction), ..without_steps(arm, status) }
+}
+
+fn without_steps(arm: &Feasibility, status: Status) -> PlanFile {
     PlanFile {
         format: plan_file::FORMAT.to_owned(),
         status,
         seed: 0,
-        scene: view.scene.file.clone(),
-        robot: planned_robot(&view.world.model.robot, &view.world.model.unchecked, view.scene),
-        removed,
+        scene: arm.scene.file.clone(),
+        robot: planned_robot(&arm.world.model.robot, &arm.world.model.unchecked, &arm.scene),
+        removed: Vec::new(),
         lower_bound: None,
-        steps: carried.into_iter().map(|c| c.step).collect(),
-        trace: Some(trace(view, sequence)),
+        steps: Vec::new(),
+        trace: None,
         timing: Timing::default(),
         stats: Stats::default(),
-        why,
+        why: Why::default(),
     }
 }
 
@@ -98,12 +92,13 @@ fn planned_robot(robot: &Robot, unchecked: &[[String; 2]], scene: &Scene) -> Pla
     }
 }
 
-fn trace(view: &View, sequence: Option<&Sequence>) -> Trace {
-    let names = &view.scene.names;
+/// What was built: the roadmap and the retrieval graph, and the sequence's path in them.
+pub fn trace(arm: &Feasibility, roadmap: &Roadmap, graph: &RetrievalGraph, sequence: Option<&Sequence>) -> Trace {
+    let names = &arm.scene.names;
     let removed: ObjectSet = sequence.map_or(ObjectSet::EMPTY, |s| s.objects.iter().copied().collect());
-    let (clusters, edges) = view.roadmap.clusters();
+    let (clusters, edges) = roadmap.clusters();
     let mean = |nodes: &[usize]| -> [f64; 2] {
-        let sum = nodes.iter().fold([0.0, 0.0], |s, &i| [s[0] + view.roadmap.nodes[i].at.x, s[1] + view.roadmap.nodes[i].at.y]);
+        let sum = nodes.iter().fold([0.0, 0.0], |s, &i| [s[0] + roadmap.nodes[i].at.x, s[1] + roadmap.nodes[i].at.y]);
         sum.map(|v| v / nodes.len().max(1) as f64)
     };
     let mut nodes: Vec<GraphNodeTrace> = clusters
@@ -116,8 +111,8 @@ fn trace(view: &View, sequence: Option<&Sequence>) -> Trace {
         })
         .collect();
     let mut edges: Vec<[usize; 2]> = edges.into_iter().map(|(a, b)| [a, b]).collect();
-    for (object, set) in view.graph.failure_nodes() {
-        let at = view.scene.objects[object.index()].pose.translation;
+    for (object, set) in graph.failure_nodes() {
+        let at = arm.scene.objects[object.index()].pose.translation;
         let index = nodes.len();
         nodes.push(GraphNodeTrace {
             collisions: set.names(names),
@@ -127,33 +122,31 @@ fn trace(view: &View, sequence: Option<&Sequence>) -> Trace {
         });
         // As in Fig. 5(c): before every cluster that collides with the object (the goal, for the target).
         for (i, cluster) in clusters.iter().enumerate() {
-            if cluster.collisions.contains(object) || (object == view.scene.target && i == 1) {
+            if cluster.collisions.contains(object) || (object == arm.scene.target && i == 1) {
                 edges.push([index, i]);
             }
         }
     }
     Trace {
         roadmap: RoadmapTrace {
-            footprint_radius: view.floor.radius,
-            nodes: view.roadmap.nodes.iter().map(|n| n.at.to_array()).collect(),
-            edges: view.roadmap.edges.iter().map(|&(a, b)| [a, b]).collect(),
-            collisions: view.roadmap.nodes.iter().map(|n| n.collisions.names(names)).collect(),
-            path: sequence.and_then(|_| view.roadmap.path(&removed)).unwrap_or_default(),
+            footprint_radius: arm.floor.radius,
+            nodes: roadmap.nodes.iter().map(|n| n.at.to_array()).collect(),
+            edges: roadmap.edges.iter().map(|&(a, b)| [a, b]).collect(),
+            collisions: roadmap.nodes.iter().map(|n| n.collisions.names(names)).collect(),
+            path: sequence.and_then(|_| roadmap.path(&removed)).unwrap_or_default(),
         },
         retrieval_graph: GraphTrace { nodes, edges, path: sequence.map_or(Vec::new(), |s| s.nodes.clone()) },
     }
 }
 
-fn why_solved(view: &View, sequence: &Sequence, carried: &[Carried]) -> Why {
-    let names = &view.scene.names;
-    let target = &names[view.scene.target.index()];
-    let objects: Vec<ObjectWhy> = sequence
-        .objects
+fn why_solved(arm: &Feasibility, removed: &[ObjectId], carried: &[Carried]) -> Why {
+    let names = &arm.scene.names;
+    let target = &names[arm.scene.target.index()];
+    let objects: Vec<ObjectWhy> = removed
         .iter()
         .enumerate()
         .map(|(i, &object)| {
-            let blocked: Vec<String> = sequence
-                .objects
+            let blocked: Vec<String> = removed
                 .iter()
                 .zip(carried)
                 .skip(i + 1)
@@ -161,7 +154,7 @@ fn why_solved(view: &View, sequence: &Sequence, carried: &[Carried]) -> Why {
                 .map(|(o, _)| names[o.index()].clone())
                 .collect();
             let name = &names[object.index()];
-            let reason = if object == view.scene.target {
+            let reason = if object == arm.scene.target {
                 "it is the target".to_owned()
             } else if blocked.is_empty() {
                 format!("`{name}` stands on the way out of `{target}` in the roadmap")
@@ -170,38 +163,39 @@ fn why_solved(view: &View, sequence: &Sequence, carried: &[Carried]) -> Why {
                 let is = if blocked.len() > 1 { "are" } else { "is" };
                 format!("`{name}` stands in the way of the hand, the arm or the carried object when {list} {is} taken")
             };
-            ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..learned(view, object) }
+            ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..learned(arm, object) }
         })
         .collect();
-    let summary = if sequence.objects.len() == 1 {
+    let summary = if removed.len() == 1 {
         format!("`{target}` can be taken directly.")
     } else {
-        let before = sequence.objects.len() - 1;
+        let before = removed.len() - 1;
         format!("`{target}` can be taken after {before} other object{}.", if before == 1 { "" } else { "s" })
     };
     Why { summary, objects }
 }
 
-fn why_not(view: &View, status: Status, obstruction: Option<(ObjectId, &'static str)>, stopped: Option<Stop>) -> Why {
-    let names = &view.scene.names;
-    let target = &names[view.scene.target.index()];
-    let mut summary = match (status, stopped) {
-        (Status::Impossible, _) => format!(
+fn why_not(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'static str)>) -> Why {
+    let names = &arm.scene.names;
+    let target = &names[arm.scene.target.index()];
+    let mut summary = match ending {
+        Ending::Impossible => format!(
             "No declared grasp of `{target}` can be reached, even with every other object gone: see what became of the grasps."
         ),
-        (_, Some(Stop::Cancelled)) => format!("Interrupted before a way to `{target}` was found."),
-        (_, Some(Stop::Iterations)) => format!("The iterations allowed were spent before a way to `{target}` was found; nothing is proved."),
+        Ending::Stopped(Some(Stop::Cancelled)) => format!("Interrupted before a way to `{target}` was found."),
+        Ending::Stopped(Some(Stop::Iterations)) => format!("The iterations allowed were spent before a way to `{target}` was found; nothing is proved."),
+        Ending::Stopped(None) => format!("Everything that was known of was tried, and no way to `{target}` was found; nothing is proved."),
         _ => format!("The time allowed was spent before a way to `{target}` was found; nothing is proved."),
     };
     if let Some((object, what)) = obstruction {
         summary.push_str(&format!(" The last motion that failed: {what}, for `{}`.", names[object.index()]));
     }
-    let objects = (0..view.ways.len())
-        .filter(|&i| view.ways[i].is_some())
+    let objects = (0..arm.ways.len())
+        .filter(|&i| arm.ways[i].is_some())
         .map(|i| {
             let object = ObjectId(i as u16);
-            let why = learned(view, object);
-            let reason = match (&why.blocked_by, view.ways[i].as_ref().map(|w| w.ways.len())) {
+            let why = learned(arm, object);
+            let reason = match (&why.blocked_by, arm.ways[i].as_ref().map(|w| w.ways.len())) {
                 (_, Some(0)) => "no grasp leads to it, whatever is removed".to_owned(),
                 (by, _) if by.is_empty() => "it can be picked as things stand".to_owned(),
                 (by, _) => format!(
@@ -216,11 +210,11 @@ fn why_not(view: &View, status: Status, obstruction: Option<(ObjectId, &'static 
 }
 
 /// What stands in the way of an object, over all its ways, and what became of its grasps.
-fn learned(view: &View, object: ObjectId) -> ObjectWhy {
-    let Some(ways) = &view.ways[object.index()] else { return ObjectWhy::default() };
+fn learned(arm: &Feasibility, object: ObjectId) -> ObjectWhy {
+    let Some(ways) = &arm.ways[object.index()] else { return ObjectWhy::default() };
     let sets = ObjectSet::minimal(ways.ways.iter().filter(|w| w.stage == Stage::Exact).map(|w| w.blocked_by).collect());
     ObjectWhy {
-        blocked_by: sets.iter().filter(|s| !s.is_empty()).map(|s| s.names(&view.scene.names)).collect(),
+        blocked_by: sets.iter().filter(|s| !s.is_empty()).map(|s| s.names(&arm.scene.names)).collect(),
         grasps: ways.grasp_counts(),
         ..ObjectWhy::default()
     }
