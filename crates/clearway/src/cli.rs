@@ -112,11 +112,12 @@ pub struct ExplainArgs {
 pub struct GenerateArgs {
     #[arg(value_enum)]
     pub kind: Kind,
-    #[arg(long, default_value_t = 12)]
-    pub objects: usize,
+    /// Default: 12, or 100 for `large`.
+    #[arg(long)]
+    pub objects: Option<usize>,
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Reject scenes in which fewer objects suffice, the target counted.
+    /// Reject scenes in which fewer objects suffice, the target counted. Default: 2, or 10 for `large`.
     #[arg(long, value_name = "N")]
     pub least_removals: Option<usize>,
     /// Where to write the scene; default: stdout.
@@ -128,6 +129,8 @@ pub struct GenerateArgs {
 pub enum Kind {
     /// Cylinders in an open-fronted cabinet before a UR10.
     Shelf,
+    /// Many slender cylinders in the largest cabinet, the target at the back.
+    Large,
 }
 
 #[derive(Debug, Args)]

@@ -16,7 +16,7 @@ const MAY_USE: [(&str, &[&str]); 14] = [
     ("motion", &["geometry", "files", "plan", "robot", "scene", "collision"]),
     ("retrieval", &["geometry", "plan", "robot", "scene", "collision", "motion"]),
     ("verify", &["plan", "files"]),
-    ("scenarios", &["geometry", "plan", "robot", "scene", "retrieval"]),
+    ("scenarios", &["geometry", "plan", "robot", "scene", "collision", "retrieval"]),
     ("export", &["plan"]),
     ("viewer", &["plan"]),
     (

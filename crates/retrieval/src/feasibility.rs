@@ -11,7 +11,7 @@ use crate::order::WaysIn;
 use crate::place;
 use crate::roadmap::Roadmap;
 use crate::trace;
-use crate::ways::{self, Explorer, Ways};
+use crate::ways::{self, Explorer, Stage, Ways};
 use clearway_collision::{CollisionModel, Contact, Moment, Scratch, Touch, World};
 use clearway_geometry::Vec2;
 use clearway_motion::{Posture, Trees};
@@ -183,6 +183,42 @@ impl Feasibility {
     /// What stands in the way of an object, each set one way in; not those of more than `most`.
     pub fn minimal_sets(&mut self, object: ObjectId, most: usize, budget: &Budget) -> Result<Vec<ObjectSet>, Stop> {
         self.look(object, budget, |explorer, ways, scratch| explorer.minimal_sets(object, ways, most, scratch, budget))
+    }
+
+    /// Of the ways that more than `most` objects stand in, and that were not looked into for that, how
+    /// many stand in the least blocked, or more.
+    pub(crate) fn least_beyond(&self, object: ObjectId, most: usize) -> Option<usize> {
+        let unfinished = self.ways_of(object)?.ways.iter().filter(|w| w.stage < Stage::Exact);
+        unfinished.map(|w| w.blocked_by.len()).filter(|&n| n > most).min()
+    }
+
+    /// Takes whatever can be picked, the nearest first, until the target can: an order that is far too
+    /// long, but there is none without it, as far as ways are known.
+    pub fn take_all(&mut self, budget: &Budget) -> Result<Option<Vec<ObjectId>>, Stop> {
+        let (base, target) = (self.base(), self.scene.target);
+        let from_base = |o: &ObjectId| self.scene.objects[o.index()].pose.translation.truncate().distance(base);
+        let mut standing: Vec<ObjectId> = (0..self.scene.objects.len() as u16).map(ObjectId).collect();
+        standing.sort_by(|a, b| from_base(a).total_cmp(&from_base(b)));
+        let mut removed = ObjectSet::EMPTY;
+        let mut order = Vec::new();
+        loop {
+            if self.can_pick(target, &removed, budget)? {
+                order.push(target);
+                return Ok(Some(order));
+            }
+            let before = order.len();
+            for object in std::mem::take(&mut standing) {
+                if object != target && self.can_pick(object, &removed, budget)? {
+                    removed.insert(object);
+                    order.push(object);
+                } else {
+                    standing.push(object);
+                }
+            }
+            if order.len() == before {
+                return Ok(None);
+            }
+        }
     }
 
     /// All ways to all objects, routes known by now included: what an exact answer can be about.

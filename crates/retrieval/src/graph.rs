@@ -81,7 +81,7 @@ pub struct RetrievalGraph {
 }
 
 /// Sequences looked at per search, beyond any real scene's; then the best so far is returned.
-const MOST_LABELS: usize = 200_000;
+const MOST_LABELS: usize = 20_000;
 
 impl RetrievalGraph {
     pub fn new(target: ObjectId, positions: Vec<[f64; 2]>) -> Self {
@@ -124,12 +124,12 @@ impl RetrievalGraph {
         known.complete |= complete;
     }
 
-    /// Adds ways to an object that has failed already.
+    /// Tells ways to an object; there are no others with so few objects in them.
     pub fn add_ways(&mut self, object: ObjectId, ways: &[ObjectSet]) {
-        if let Some(known) = self.knowledge.get_mut(&object) {
-            known.ways.extend_from_slice(ways);
-            known.ways = ObjectSet::minimal(std::mem::take(&mut known.ways));
-        }
+        let known = self.knowledge.entry(object).or_default();
+        known.ways.extend_from_slice(ways);
+        known.ways = ObjectSet::minimal(std::mem::take(&mut known.ways));
+        known.complete = true;
     }
 
     /// The objects to which there are no other ways than those known.

@@ -10,11 +10,13 @@
 //! | [`feasibility`], and under it [`grasps`], [`ways`], [`carry`] | section IV-D |
 //! | [`planner`] | Algorithm 1 |
 //!
-//! Beyond the paper: [`order`], the fewest removals when all ways are known; [`bound`], a lower bound and its
+//! Beyond the paper: `direct`, sequences along the arm's own ways; [`order`], the fewest removals when all ways
+//! are known; [`bound`], a lower bound and its
 //! proof.
 
 pub mod bound;
 pub mod carry;
+mod direct;
 pub mod feasibility;
 pub mod floor;
 pub mod graph;

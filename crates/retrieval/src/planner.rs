@@ -5,6 +5,7 @@
 //! scene is planned for again without starting from nothing.
 
 use crate::carry;
+use crate::direct::{Direct, Directly, most_in_way};
 use crate::feasibility::{Ending, Feasibility, Journey, NoMotion, Unfit};
 use crate::graph::{RetrievalGraph, Search, Sequence};
 use crate::roadmap::{self, Roadmap};
@@ -175,22 +176,30 @@ impl Planner {
         if self.arm.ways_of(target).is_some_and(|w| w.ways.is_empty()) && self.arm.proved_out_of_reach(target, &run.budget)? {
             return Ok(None);
         }
-        let mut limit = match self.settings.first_limit {
+        let first = match self.settings.first_limit {
             FirstLimit::One => 1,
             FirstLimit::GraspCover => 1 + self.arm.minimal_sets(target, count, &run.budget)?.iter().map(ObjectSet::len).min().unwrap_or(0),
             FirstLimit::All => count,
         };
+        let mut limit = first;
+        let mut direct = Direct::new(count, target);
         loop {
             run.budget.iteration()?;
             run.stats.iterations += 1;
             run.stats.exploration_limit = limit;
-            self.look_up_to(limit, &run.budget)?;
-            // What is known may do; then the roadmap need not grow.
-            if !self.settings.as_in_paper
-                && let Some(sequence) = self.check_all(limit, run)?
-            {
-                return Ok(Some(sequence));
+            // The arm's own ways may do; then the roadmap need not grow.
+            if !self.settings.as_in_paper {
+                match self.search_directly(&mut direct, &mut limit, run)? {
+                    Ok(sequence) => return Ok(Some(sequence)),
+                    // As long as there may be more of these, long ones along the roadmap are not asked for.
+                    Err(Some(next)) if limit >= LONG && next <= count => {
+                        limit = next;
+                        continue;
+                    }
+                    Err(_) => {}
+                }
             }
+            self.look_up_to(limit, &direct, &run.budget)?;
             self.roadmap.expand(&self.arm.floor, limit, &self.settings.roadmap, &mut run.random_roadmap, &run.budget)?;
             let (clusters, edges) = self.roadmap.clusters();
             // Clusters come in the order of their first nodes; x_s and x_g are nodes 0 and 1, alone.
@@ -211,19 +220,41 @@ impl Planner {
             // motions may be found, also from where a way ends among the clutter.
             self.arm.allow_all_partial();
             self.graph.forget();
+            direct = Direct::new(count, target);
             limit = 1;
+        }
+    }
+
+    /// The fewest objects along the arm's own ways; where there are none, the next limit at which there
+    /// may be some.
+    fn search_directly(&mut self, direct: &mut Direct, limit: &mut usize, run: &mut Run) -> Result<Result<Sequence, Option<usize>>, Stop> {
+        loop {
+            let objects = match direct.search(&mut self.arm, limit, &run.budget)? {
+                Directly::Objects(objects) => objects,
+                Directly::Nothing { next } => return Ok(Err(next)),
+            };
+            run.stats.exploration_limit = *limit;
+            run.stats.sequences_tried += 1;
+            run.observer.event(Event::Sequence { objects: self.name_all(&objects) });
+            let sequence = Sequence { objects, nodes: Vec::new(), distance: 0.0 };
+            match self.check(sequence, *limit, run)? {
+                Ok(sequence) => return Ok(Ok(sequence)),
+                Err(failure) => direct.failed(failure),
+            }
         }
     }
 
     /// Tells the graph the sets that a raised limit lets count: ways that more objects stand in are
     /// not looked into before.
-    fn look_up_to(&mut self, limit: usize, budget: &Budget) -> Result<(), Stop> {
+    fn look_up_to(&mut self, limit: usize, direct: &Direct, budget: &Budget) -> Result<(), Stop> {
         let target = self.arm.scene.target;
         if !self.settings.as_in_paper {
             self.arm.allow_partial(target, budget)?;
-            let direct = self.arm.minimal_sets(target, most_in_way(limit, true), budget)?;
-            self.graph.add_direct(&direct);
-            for object in self.graph.complete() {
+            let sets = self.arm.minimal_sets(target, most_in_way(limit, true), budget)?;
+            self.graph.add_direct(&sets);
+            let mut objects = self.graph.complete();
+            objects.extend(direct.looked_into().filter(|o| *o != target));
+            for object in objects {
                 let sets = self.arm.minimal_sets(object, most_in_way(limit, false), budget)?;
                 self.graph.add_ways(object, &sets);
             }
@@ -237,7 +268,7 @@ impl Planner {
             run.budget.check()?;
             run.stats.sequences_tried += 1;
             run.observer.event(Event::Sequence { objects: self.name_all(&sequence.objects) });
-            if let Some(sequence) = self.check(sequence, limit, run)? {
+            if let Ok(sequence) = self.check(sequence, limit, run)? {
                 return Ok(Some(sequence));
             }
         }
@@ -245,7 +276,7 @@ impl Planner {
     }
 
     /// Feasibility check of a sequence. On failure the graph has learned something.
-    fn check(&mut self, sequence: Sequence, limit: usize, run: &mut Run) -> Result<Option<Sequence>, Stop> {
+    fn check(&mut self, sequence: Sequence, limit: usize, run: &mut Run) -> Result<Result<Sequence, NoMotion>, Stop> {
         let mut removed = ObjectSet::EMPTY;
         let mut needs: Vec<(ObjectId, ObjectSet)> = Vec::new();
         for &object in &sequence.objects {
@@ -263,7 +294,7 @@ impl Planner {
                 // The roadmap is the target's: with other objects gone it may show it other routes.
                 let complete = !is_target;
                 self.blocked(object, removed, &sets, complete, run);
-                return Ok(None);
+                return Ok(Err(NoMotion { object, removed, blamed: sets }));
             };
             needs.push((object, self.arm.ways_of(object).map_or(ObjectSet::EMPTY, |w| w.ways[first].blocked_by)));
             removed.insert(object);
@@ -278,10 +309,10 @@ impl Planner {
         let observer = &mut *run.observer;
         let taken = |name: &str| observer.event(Event::Taken { object: name.to_owned() });
         match self.arm.carry(&sequence.objects, &mut run.journey, &run.budget, taken)? {
-            Ok(()) => Ok(Some(sequence)),
-            Err(NoMotion { object, removed, blamed }) => {
-                self.blocked(object, removed, &blamed, false, run);
-                Ok(None)
+            Ok(()) => Ok(Ok(sequence)),
+            Err(failure) => {
+                self.blocked(failure.object, failure.removed, &failure.blamed, false, run);
+                Ok(Err(failure))
             }
         }
     }
@@ -314,11 +345,9 @@ impl Planner {
     }
 }
 
-/// How many objects may stand in the way of an object in a sequence of at most `limit`: all but
-/// itself, and the target.
-fn most_in_way(limit: usize, is_target: bool) -> usize {
-    limit.saturating_sub(if is_target { 1 } else { 2 })
-}
+/// Sequences of more objects are looked for along the arm's own ways first: with more the roadmap takes
+/// too long.
+const LONG: usize = 6;
 
 /// What one call of [`Planner::plan`] carries along.
 struct Run<'a> {

@@ -1,11 +1,14 @@
 //! Draws scenes after the paper's recipes (section VI-B), and rejects the easy ones.
 //!
-//! A draw is rejected for one reason only: that the target can be had with fewer removals than
-//! asked for; without asking, that it can be had directly. That is decided by the planner itself,
-//! with the arm. Everything comes from the seed.
+//! A draw is rejected when the target can be had with fewer removals than asked for; without asking,
+//! when it can be had directly. That is decided by the planner itself, with the arm. Large scenes are
+//! also rejected when the target cannot be had, as far as can be told. Everything comes from the seed.
 
-mod shelf;
+mod cabinet;
 
+use cabinet::Recipe;
+
+use clearway_collision::CollisionModel;
 use clearway_plan::event::Silent;
 use clearway_plan::plan_file::Status;
 use clearway_plan::{Budget, SceneFile};
@@ -67,6 +70,15 @@ const MOST_DRAWS: usize = 400;
 
 /// A cluttered shelf with a UR10 in front (section VI-B).
 pub fn shelf(wanted: &Wanted) -> Result<Drawn, NoScene> {
+    draw(&cabinet::shelf(wanted.objects), wanted)
+}
+
+/// A shelf with up to 100 objects and more (section VI-F).
+pub fn large(wanted: &Wanted) -> Result<Drawn, NoScene> {
+    draw(&cabinet::large(), wanted)
+}
+
+fn draw(recipe: &Recipe, wanted: &Wanted) -> Result<Drawn, NoScene> {
     if wanted.objects == 0 {
         return Err(NoScene::NoObjects);
     }
@@ -75,16 +87,17 @@ pub fn shelf(wanted: &Wanted) -> Result<Drawn, NoScene> {
         return Err(NoScene::TooManyRemovals);
     }
     let mut random = Xoshiro256PlusPlus::seed_from_u64(wanted.seed);
-    let robot = Robot::load(shelf::ROBOT, Path::new("."), &[]).map_err(|e| NoScene::Unsound(e.to_string()))?;
-    let robot = Arc::new(robot);
+    let robot = Robot::load(cabinet::ROBOT, Path::new("."), &[]).map_err(|e| NoScene::Unsound(e.to_string()))?;
+    let model = Arc::new(CollisionModel::new(Arc::new(robot)));
     let mut rejected = 0;
     loop {
-        let mut file = shelf::draw(wanted.objects, &mut random)?;
-        file.name = format!("shelf-{}-{}", wanted.objects, wanted.seed);
+        let mut file = cabinet::draw(recipe, wanted.objects, &mut random)?;
+        file.name = format!("{}-{}-{}", recipe.name, wanted.objects, wanted.seed);
         let scene = Scene::from_file_struct(file, Path::new(".")).map_err(|e| NoScene::Unsound(e.to_string()))?;
         let file = scene.file.clone();
-        let easy = least > 1 && fewer_suffice(scene, robot.clone(), least)?;
-        if !easy {
+        let unfit = recipe.solvable && !can_be_had(scene.clone(), model.clone())?
+            || least > 1 && fewer_suffice(scene, model.clone(), least)?;
+        if !unfit {
             return Ok(Drawn { file, rejected, as_wanted: true });
         }
         if rejected + 1 == MOST_DRAWS {
@@ -96,14 +109,24 @@ pub fn shelf(wanted: &Wanted) -> Result<Drawn, NoScene> {
 
 /// Whether the target can be had with fewer than `least` removals, as far as the planner can tell
 /// with its exploration limit held below.
-fn fewer_suffice(scene: Scene, robot: Arc<Robot>, least: usize) -> Result<bool, NoScene> {
-    let unsound = |u: Unfit| NoScene::Unsound(format!("{u:?}"));
-    let mut planner = Planner::new(scene, robot, Settings::default()).map_err(unsound)?;
+fn fewer_suffice(scene: Scene, model: Arc<CollisionModel>, least: usize) -> Result<bool, NoScene> {
+    let mut planner = Planner::with_model(scene, model, Settings::default()).map_err(unsound)?;
     // L rises by one a round, from 1: so many rounds look at all shorter sequences. The deadline
     // only guards against a scene that never ends; a draw is then kept.
     let budget = Budget::unlimited().with_iterations(least as u64 - 1).with_time(Duration::from_secs(20));
     let answer = planner.plan(&Request { seed: 1, budget }, &mut Silent);
-    Ok(answer.plan.status == Status::Solved)
+    Ok(answer.plan.status == Status::Solved && answer.plan.removed.len() < least)
+}
+
+/// Whether the target can be picked once everything is gone that can be picked before it.
+fn can_be_had(scene: Scene, model: Arc<CollisionModel>) -> Result<bool, NoScene> {
+    let mut planner = Planner::with_model(scene, model, Settings::default()).map_err(unsound)?;
+    // Nothing stops it.
+    Ok(planner.feasibility().take_all(&Budget::unlimited()).is_ok_and(|order| order.is_some()))
+}
+
+fn unsound(unfit: Unfit) -> NoScene {
+    NoScene::Unsound(format!("{unfit:?}"))
 }
 
 #[cfg(test)]
@@ -119,8 +142,8 @@ mod tests {
             assert!(drawn.as_wanted);
             assert_eq!(drawn.file, shelf(&wanted).unwrap().file);
             let scene = Scene::from_file_struct(drawn.file, Path::new(".")).unwrap();
-            let robot = Arc::new(Robot::load(shelf::ROBOT, Path::new("."), &[]).unwrap());
-            assert!(!fewer_suffice(scene, robot, 2).unwrap());
+            let robot = Arc::new(Robot::load(cabinet::ROBOT, Path::new("."), &[]).unwrap());
+            assert!(!fewer_suffice(scene, Arc::new(CollisionModel::new(robot)), 2).unwrap());
         }
     }
 

@@ -7,22 +7,29 @@ use clearway::scenarios::{self, NoScene, Wanted};
 
 pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
     output::check(args.output.as_deref(), &[])?;
-    let wanted = Wanted { objects: args.objects, seed: args.seed, least_removals: args.least_removals };
+    let (usual, least) = match args.kind {
+        Kind::Shelf => (12, 2),
+        Kind::Large => (100, 10),
+    };
+    let objects = args.objects.unwrap_or(usual);
+    let least = args.least_removals.unwrap_or(least.min(objects));
+    let wanted = Wanted { objects, seed: args.seed, least_removals: Some(least) };
     let drawn = match args.kind {
         Kind::Shelf => scenarios::shelf(&wanted),
+        Kind::Large => scenarios::large(&wanted),
     };
     let drawn = drawn.map_err(|error| match error {
         NoScene::Unsound(_) => Failure::internal(error.to_string()),
-        _ => Failure::bad_input(format!("{error} (--objects {})", args.objects)),
+        _ => Failure::bad_input(format!("{error} (--objects {objects})")),
     })?;
     let text = serde_saphyr::to_string(&drawn.file).map_err(|e| Failure::internal(format!("the scene is no YAML: {e}")))?;
     match &args.output {
         Some(path) => output::write(path, text.as_bytes())?,
         None => output::print(&text)?,
     }
-    let least = args.least_removals.unwrap_or(2);
+    let stuck = if matches!(args.kind, Kind::Large) { ", or because the target cannot be had" } else { "" };
     tell(&format!(
-        "{} objects, target {}; {} draw{} rejected because fewer than {least} removals suffice",
+        "{} objects, target {}; {} draw{} rejected because fewer than {least} removals suffice{stuck}",
         drawn.file.objects.len(),
         drawn.file.target,
         drawn.rejected,

@@ -1,6 +1,5 @@
-//! One draw of the paper's shelf: upright cylinders of radius 3.5 to 4.0 cm and height 24 to 29 cm
-//! in an open-fronted cabinet of 0.9 × 0.6 × 0.5 m (12 objects) to 1.2 × 0.7 × 0.5 m (20), the
-//! target in the back half, a UR10 in front, a tray at its side.
+//! One draw: upright cylinders in an open-fronted cabinet, the target at its back, a UR10 in front, a
+//! tray at its side.
 
 use crate::NoScene;
 use clearway_plan::SceneFile;
@@ -14,16 +13,56 @@ const FRONT: f64 = 0.55;
 const FLOOR: f64 = 0.60;
 const HEIGHT: f64 = 0.50;
 const WALL: f64 = 0.02;
-/// Objects keep this much from each other and from the walls.
-const GAP: f64 = 0.002;
 /// Draws of one object's place before the whole draw starts over, and such starts.
 const PLACES: usize = 2000;
 const STARTS: usize = 40;
 
-/// Inner width (y) and depth (x) of the cabinet for so many objects.
-fn cabinet(objects: usize) -> (f64, f64) {
+/// What a cabinet is filled with; metres.
+pub struct Recipe {
+    pub name: &'static str,
+    /// Inner width (y) and depth (x).
+    pub width: f64,
+    pub depth: f64,
+    /// Of the cylinders, from and to.
+    pub radius: [f64; 2],
+    pub height: [f64; 2],
+    /// Objects keep this much from each other and from the walls.
+    pub gap: f64,
+    /// In front of the target is at least this part of the depth.
+    pub behind: f64,
+    /// Whether the target must be one that can be had, as far as can be told.
+    pub solvable: bool,
+}
+
+/// The paper's shelf (section VI-B): radius 3.5 to 4.0 cm, height 24 to 29 cm, a cabinet of 0.9 × 0.6 × 0.5 m
+/// (12 objects) to 1.2 × 0.7 × 0.5 m (20).
+pub fn shelf(objects: usize) -> Recipe {
     let t = ((objects as f64 - 12.0) / 8.0).clamp(0.0, 1.0);
-    (0.9 + 0.3 * t, 0.6 + 0.1 * t)
+    Recipe {
+        name: "shelf",
+        width: 0.9 + 0.3 * t,
+        depth: 0.6 + 0.1 * t,
+        radius: [0.035, 0.040],
+        height: [0.24, 0.29],
+        gap: 0.002,
+        behind: 0.5,
+        solvable: false,
+    }
+}
+
+/// The paper's largest cabinet with slender objects and a finger's room between them, so that 100 can be
+/// had at all (section VI-F): of its own scene the paper says no more than their number.
+pub fn large() -> Recipe {
+    Recipe {
+        name: "large",
+        width: 1.2,
+        depth: 0.7,
+        radius: [0.022, 0.028],
+        height: [0.16, 0.22],
+        gap: 0.012,
+        behind: 0.75,
+        solvable: true,
+    }
 }
 
 struct Disc {
@@ -34,21 +73,21 @@ struct Disc {
 }
 
 /// One scene; objects are uniformly placed without touching.
-pub fn draw(objects: usize, random: &mut impl Rng) -> Result<SceneFile, NoScene> {
-    let (width, depth) = cabinet(objects);
+pub fn draw(recipe: &Recipe, objects: usize, random: &mut impl Rng) -> Result<SceneFile, NoScene> {
+    let Recipe { width, depth, gap, .. } = *recipe;
     let mut fitted = 0;
     for _ in 0..STARTS {
         let mut discs: Vec<Disc> = Vec::with_capacity(objects);
         for i in 0..objects {
-            let radius = uniform(random, 0.035, 0.040);
-            let height = uniform(random, 0.24, 0.29);
-            let margin = radius + GAP;
-            // The target is drawn first, in the back half.
-            let front = if i == 0 { FRONT + (depth / 2.0).max(margin) } else { FRONT + margin };
+            let radius = uniform(random, recipe.radius);
+            let height = uniform(random, recipe.height);
+            let margin = radius + gap;
+            // The target is drawn first, at the back.
+            let front = if i == 0 { FRONT + (depth * recipe.behind).max(margin).min(depth - margin) } else { FRONT + margin };
             let free = (0..PLACES).find_map(|_| {
-                let x = uniform(random, front, FRONT + depth - margin);
-                let y = uniform(random, -width / 2.0 + margin, width / 2.0 - margin);
-                let apart = |d: &Disc| (d.x - x).hypot(d.y - y) >= d.radius + radius + GAP;
+                let x = uniform(random, [front, FRONT + depth - margin]);
+                let y = uniform(random, [-width / 2.0 + margin, width / 2.0 - margin]);
+                let apart = |d: &Disc| (d.x - x).hypot(d.y - y) >= d.radius + radius + gap;
                 discs.iter().all(apart).then_some((x, y))
             });
             let Some((x, y)) = free else { break };
@@ -65,7 +104,7 @@ pub fn draw(objects: usize, random: &mut impl Rng) -> Result<SceneFile, NoScene>
     Err(NoScene::DoesNotFit { fitted })
 }
 
-fn uniform(random: &mut impl Rng, low: f64, high: f64) -> f64 {
+fn uniform(random: &mut impl Rng, [low, high]: [f64; 2]) -> f64 {
     low + (high - low) * random.random::<f64>()
 }
 

@@ -1,0 +1,1 @@
+//! The traversability graph of Nam, Cheong, Lee, Cho, Kim and Kim.
