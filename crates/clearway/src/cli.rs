@@ -129,7 +129,7 @@ pub struct GenerateArgs {
 pub enum Kind {
     /// Cylinders in an open-fronted cabinet before a UR10.
     Shelf,
-    /// Many slender cylinders in the largest cabinet, the target at the back.
+    /// Many slender cylinders in a wide cabinet.
     Large,
 }
 
@@ -207,6 +207,44 @@ pub enum Experiment {
     /// cylinder counts as VAMP's scripts take it, so that figures compare: as a capsule of the
     /// cylinder's length with caps beyond it, in the set `box` as the cuboid round it.
     Motion(BenchMotionArgs),
+    /// Table I and Fig. 12: 12, 16 and 20 objects, 20 scenes of each, 20 runs, three first limits.
+    Known(BenchRetrievalArgs),
+    /// Figs. 13 and 14: how the roadmap and the retrieval graph grow, with the paper's settings.
+    Graphs(BenchRetrievalArgs),
+    /// Fig. 15: against the traversability graph of [3], and clearing the shortest path.
+    Peers(BenchRetrievalArgs),
+    /// Table V: 100 objects, at least 10 to remove.
+    Large(BenchRetrievalArgs),
+    /// Table VI: 16 objects, against the fewest removals and brute force.
+    Optimal(BenchRetrievalArgs),
+    /// Make tables (Markdown, CSV) and figures (SVG) from the rows in a directory, beside them.
+    Report(BenchReportArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct BenchRetrievalArgs {
+    /// Rows go to DIR/EXPERIMENT.jsonl, each synced as it is there; default: stdout.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Go on where an earlier run in DIR ended, however it ended.
+    #[arg(long, requires = "out")]
+    pub resume: bool,
+    /// A small cut, in under a minute.
+    #[arg(long)]
+    pub quick: bool,
+    /// Runs at a time; more than one disturb each other's times.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub jobs: u32,
+    /// Seconds for one run; default: 10, and 60 for `large` and `optimal`.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub time_limit: Option<f64>,
+}
+
+#[derive(Debug, Args)]
+pub struct BenchReportArgs {
+    /// Where EXPERIMENT.jsonl files are.
+    #[arg(value_name = "DIR")]
+    pub directory: PathBuf,
 }
 
 #[derive(Debug, Args)]

@@ -124,6 +124,11 @@ impl Feasibility {
         &self.world.model.robot
     }
 
+    /// The scene from above.
+    pub fn floor(&self) -> &Floor {
+        &self.floor
+    }
+
     /// Where the arm's root link is, seen from above, in the scene's frame.
     pub fn base(&self) -> Vec2 {
         self.world.world_from_root.translation.truncate()

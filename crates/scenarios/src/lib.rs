@@ -6,8 +6,9 @@
 
 mod cabinet;
 
-use cabinet::Recipe;
+pub use cabinet::ROBOT;
 
+use cabinet::Recipe;
 use clearway_collision::CollisionModel;
 use clearway_plan::event::Silent;
 use clearway_plan::plan_file::Status;

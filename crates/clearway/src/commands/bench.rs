@@ -1,11 +1,18 @@
 //! `clearway bench`: experiments that can be run again.
 
-use super::bench_motion;
-use crate::cli::{BenchArgs, Experiment};
+use super::{bench_motion, bench_report, bench_retrieval};
+use crate::cli::{BenchArgs, Experiment as Named};
 use crate::exit::{Exit, Failure};
+use clearway_experiments::retrieval::Experiment;
 
 pub fn run(args: &BenchArgs) -> Result<Exit, Failure> {
     match &args.experiment {
-        Experiment::Motion(args) => bench_motion::run(args),
+        Named::Motion(args) => bench_motion::run(args),
+        Named::Known(args) => bench_retrieval::run(Experiment::Known, args),
+        Named::Graphs(args) => bench_retrieval::run(Experiment::Graphs, args),
+        Named::Peers(args) => bench_retrieval::run(Experiment::Peers, args),
+        Named::Large(args) => bench_retrieval::run(Experiment::Large, args),
+        Named::Optimal(args) => bench_retrieval::run(Experiment::Optimal, args),
+        Named::Report(args) => bench_report::run(args),
     }
 }

@@ -2,6 +2,8 @@
 
 pub mod bench;
 mod bench_motion;
+mod bench_report;
+mod bench_retrieval;
 pub mod demo;
 pub mod explain;
 pub mod export;

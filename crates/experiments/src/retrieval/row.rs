@@ -14,6 +14,7 @@ pub struct Row {
     /// Of the exploration limit: `1`, `grasp` or `all`.
     pub first_limit: String,
     /// What the scene was drawn with, and its SHA-256.
+    pub least_removals: usize,
     pub scene_seed: u64,
     pub scene: String,
     /// What was planned with.
@@ -44,6 +45,16 @@ pub struct Row {
     pub timing: Timing,
     pub version: String,
     pub machine: Machine,
+}
+
+/// What tells a run from all others of its experiment.
+pub type Key = (String, usize, usize, String, u64, u64);
+
+impl Row {
+    pub fn key(&self) -> Key {
+        let Self { planner, objects, least_removals, first_limit, scene_seed, seed, .. } = self.clone();
+        (planner, objects, least_removals, first_limit, scene_seed, seed)
+    }
 }
 
 /// After an iteration of Algorithm 1.

@@ -1,0 +1,172 @@
+//! Which runs an experiment consists of.
+
+use serde::{Deserialize, Serialize};
+
+/// The paper's experiments on known scenes (section VI).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Experiment {
+    /// Table I and Fig. 12.
+    Known,
+    /// Figs. 13 and 14.
+    Graphs,
+    /// Fig. 15.
+    Peers,
+    /// Table V.
+    Large,
+    /// Table VI.
+    Optimal,
+}
+
+/// Who plans.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TaskPlanner {
+    Clearway,
+    /// Clearway with the paper's settings.
+    Paper,
+    Traversability,
+    ShortestPath,
+    BruteForce,
+    /// The fewest removals over the frozen set of ways; no motions.
+    Exact,
+}
+
+/// The exploration limit of the first round.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum FirstLimit {
+    #[serde(rename = "1")]
+    One,
+    #[serde(rename = "grasp")]
+    Grasp,
+    #[serde(rename = "all")]
+    All,
+}
+
+/// A scene to be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Draw {
+    /// Rather than a shelf.
+    pub large: bool,
+    pub objects: usize,
+    pub least_removals: usize,
+    pub seed: u64,
+}
+
+/// One run: what makes its row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Case {
+    pub draw: Draw,
+    pub planner: TaskPlanner,
+    pub first_limit: FirstLimit,
+    pub seed: u64,
+}
+
+impl Experiment {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Known => "known",
+            Self::Graphs => "graphs",
+            Self::Peers => "peers",
+            Self::Large => "large",
+            Self::Optimal => "optimal",
+        }
+    }
+
+    /// Seconds for one run, unless said otherwise: the paper allows 60.
+    pub fn time_limit(self) -> f64 {
+        match self {
+            Self::Large | Self::Optimal => 60.0,
+            _ => 10.0,
+        }
+    }
+
+    /// All its runs, those on one scene together; `quick`: a small cut.
+    pub fn cases(self, quick: bool) -> Vec<Case> {
+        use TaskPlanner::{BruteForce, Clearway, Exact, Paper, ShortestPath, Traversability};
+        let sizes = [12, 16, 20];
+        let (scenes, runs) = if quick { (2, 2) } else { (20, 20) };
+        let all_limits = [FirstLimit::One, FirstLimit::Grasp, FirstLimit::All];
+        let shelf = |objects, seed| Draw { large: false, objects, least_removals: 2, seed };
+        match self {
+            Self::Known => {
+                let with = [Clearway, Paper].into_iter().flat_map(|p| all_limits.map(|limit| (p, limit)));
+                cross(sizes.into_iter().flat_map(|n| (1..=scenes).map(move |s| shelf(n, s))), with, runs)
+            }
+            Self::Graphs => {
+                let draws = sizes.into_iter().flat_map(|n| (1..=scenes).map(move |s| shelf(n, s)));
+                cross(draws, [(Paper, FirstLimit::One)], if quick { 1 } else { 5 })
+            }
+            Self::Peers => {
+                let with = [Clearway, Traversability, ShortestPath].map(|p| (p, FirstLimit::One));
+                cross(sizes.into_iter().flat_map(|n| (1..=scenes).map(move |s| shelf(n, s))), with, runs)
+            }
+            Self::Large => {
+                let draw = |seed| Draw { large: true, objects: 100, least_removals: 10, seed };
+                let with = [Clearway, Traversability, ShortestPath].map(|p| (p, FirstLimit::One));
+                cross((1..=if quick { 1 } else { 10 }).map(draw), with, 1)
+            }
+            Self::Optimal => {
+                // More than ask for 2, 3 and 4 removals; brute force where it comes first.
+                let counts = if quick { [1, 1, 1] } else { [100, 70, 40] };
+                let few = if quick { 1 } else { 5 };
+                let mut cases = Vec::new();
+                for (least_removals, count) in (2..).zip(counts) {
+                    for scene in 1..=count {
+                        let seed = least_removals as u64 * 1000 + scene;
+                        let draw = [Draw { large: false, objects: 16, least_removals, seed }];
+                        cases.extend(cross(draw, [(Exact, FirstLimit::One)], 1));
+                        let again = scene <= few;
+                        cases.extend(cross(draw, [(Clearway, FirstLimit::One)], if again { runs } else { 1 }));
+                        if again {
+                            cases.extend(cross(draw, [(BruteForce, FirstLimit::One)], 1));
+                        }
+                    }
+                }
+                cases
+            }
+        }
+    }
+}
+
+fn cross(
+    draws: impl IntoIterator<Item = Draw>,
+    with: impl IntoIterator<Item = (TaskPlanner, FirstLimit)> + Clone,
+    runs: u64,
+) -> Vec<Case> {
+    let mut cases = Vec::new();
+    for draw in draws {
+        for seed in 1..=runs {
+            for (planner, first_limit) in with.clone() {
+                cases.push(Case { draw, planner, first_limit, seed });
+            }
+        }
+    }
+    cases
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn as_many_runs_as_the_paper_and_none_twice() {
+        let all = [Experiment::Known, Experiment::Graphs, Experiment::Peers, Experiment::Large, Experiment::Optimal];
+        for experiment in all {
+            for quick in [false, true] {
+                let cases = experiment.cases(quick);
+                assert_eq!(cases.iter().collect::<HashSet<_>>().len(), cases.len(), "{experiment:?}");
+            }
+        }
+        let of = |cases: &[Case], objects, planner| {
+            cases.iter().filter(|c| c.draw.objects == objects && c.planner == planner && c.first_limit == FirstLimit::One).count()
+        };
+        for objects in [12, 16, 20] {
+            assert_eq!(of(&Experiment::Known.cases(false), objects, TaskPlanner::Clearway), 400);
+            assert_eq!(of(&Experiment::Peers.cases(false), objects, TaskPlanner::Traversability), 400);
+        }
+        assert!(of(&Experiment::Optimal.cases(false), 16, TaskPlanner::Exact) >= 200);
+        assert_eq!(of(&Experiment::Large.cases(false), 100, TaskPlanner::Clearway), 10);
+    }
+}

@@ -1,0 +1,232 @@
+//! One run of an experiment, from drawing the scene to the verifier's verdict.
+
+use crate::Machine;
+use crate::peers::{self, brute_force::brute_force, shortest_path::shortest_path, step_by_step::traversability};
+use crate::retrieval::experiment::{Case, Draw, Experiment, FirstLimit, TaskPlanner};
+use crate::retrieval::row::{Growth, Row, Timing};
+use clearway_collision::CollisionModel;
+use clearway_plan::event::{Event, Observer};
+use clearway_plan::plan_file::{self, LowerBound, Status};
+use clearway_plan::{Budget, PlanFile, Stop};
+use clearway_retrieval::order::{self, Fewest};
+use clearway_retrieval::{self as retrieval, Feasibility, Planner, Request, Settings};
+use clearway_robot::Robot;
+use clearway_scenarios::{self as scenarios, Wanted};
+use clearway_scene::Scene;
+use clearway_verify::verify;
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+/// What runs share: the robot made ready, and scenes drawn.
+pub struct Bench {
+    experiment: Experiment,
+    /// Per run.
+    time_limit: Duration,
+    /// Over all of it.
+    budget: Budget,
+    machine: Machine,
+    model: OnceLock<Arc<CollisionModel>>,
+    /// Scenes with their hashes; drawing one takes as long as planning in some.
+    scenes: Mutex<HashMap<Draw, Arc<OnceLock<Result<Drawn, String>>>>>,
+}
+
+#[derive(Clone)]
+struct Drawn {
+    scene: Scene,
+    hash: String,
+}
+
+/// Why there is no row.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoRow {
+    /// The whole experiment is to end.
+    Stopped,
+    /// An error of ours.
+    Internal(String),
+}
+
+/// Sets that the exact search looks at before it gives up: seconds.
+const MOST_SETS: usize = 300_000;
+
+impl Bench {
+    pub fn new(experiment: Experiment, time_limit: f64, budget: Budget) -> Self {
+        let time_limit = Duration::from_secs_f64(time_limit);
+        let (machine, model, scenes) = (Machine::this(), OnceLock::new(), Mutex::default());
+        Self { experiment, time_limit, budget, machine, model, scenes }
+    }
+
+    fn model(&self) -> Result<Arc<CollisionModel>, NoRow> {
+        if let Some(model) = self.model.get() {
+            return Ok(model.clone());
+        }
+        let robot = Robot::load(scenarios::ROBOT, Path::new("."), &[]).map_err(|e| NoRow::Internal(e.to_string()))?;
+        Ok(self.model.get_or_init(|| Arc::new(CollisionModel::new(Arc::new(robot)))).clone())
+    }
+
+    fn drawn(&self, draw: &Draw) -> Result<Drawn, NoRow> {
+        let cell = self.scenes.lock().unwrap_or_else(PoisonError::into_inner).entry(*draw).or_default().clone();
+        cell.get_or_init(|| draw_scene(draw)).clone().map_err(NoRow::Internal)
+    }
+
+    /// Forgets the scene of a case that was its last.
+    pub fn done_with(&self, draw: &Draw) {
+        self.scenes.lock().unwrap_or_else(PoisonError::into_inner).remove(draw);
+    }
+
+    pub fn run(&self, case: &Case) -> Result<Row, NoRow> {
+        let Drawn { scene, hash } = self.drawn(&case.draw)?;
+        let model = self.model()?;
+        let mut row = Row { scene: hash, ..self.named(case) };
+        let request = Request { seed: case.seed, budget: self.budget.clone().with_time(self.time_limit) };
+        let unfit = |unfit| NoRow::Internal(format!("{:?}: {unfit:?}", case.draw));
+        let began = Instant::now();
+        let plan = match case.planner {
+            TaskPlanner::Exact => {
+                let mut planner = Planner::with_model(scene, model, Settings::default()).map_err(unfit)?;
+                return self.exact(&mut planner, row);
+            }
+            TaskPlanner::Clearway | TaskPlanner::Paper => {
+                let mut growing = Growing::default();
+                let mut planner = Planner::with_model(scene, model, settings(case)).map_err(unfit)?;
+                let plan = planner.plan(&request, &mut growing).plan;
+                if self.experiment == Experiment::Graphs {
+                    row.growth = growing.0;
+                }
+                plan
+            }
+            TaskPlanner::Traversability | TaskPlanner::ShortestPath | TaskPlanner::BruteForce => {
+                let Settings { ways, carry, .. } = Settings::default();
+                let mut arm = Feasibility::new(scene, model, ways, carry).map_err(unfit)?;
+                let peer: &peers::TaskPlanner = match case.planner {
+                    TaskPlanner::Traversability => &traversability,
+                    TaskPlanner::ShortestPath => &shortest_path,
+                    _ => &brute_force,
+                };
+                peers::plan(&mut arm, peer, &request)
+            }
+        };
+        self.check_not_stopped()?;
+        self.judge(plan, began, row)
+    }
+
+    /// Takes a plan into its row, with the verdict on it and its lower bound.
+    fn judge(&self, plan: PlanFile, began: Instant, mut row: Row) -> Result<Row, NoRow> {
+        row.status = match plan.status {
+            Status::Solved => "solved",
+            Status::Impossible => "impossible",
+            Status::OutOfBudget => "out_of_budget",
+        }
+        .to_owned();
+        row.verdict = "none".to_owned();
+        if plan.status == Status::Solved {
+            match verify(&plan, Path::new("."), &self.budget) {
+                Ok(report) if report.is_valid() => row.verdict = "valid".to_owned(),
+                Ok(_) => (row.status, row.verdict) = ("refused".to_owned(), "violations".to_owned()),
+                Err(error) => {
+                    self.check_not_stopped()?;
+                    return Err(NoRow::Internal(format!("the verifier: {error}")));
+                }
+            }
+        }
+        if let Some(LowerBound { removed, kind, .. }) = &plan.lower_bound {
+            (row.bound, row.bound_kind) = (*removed, kind.clone());
+        }
+        let segments = plan.steps.iter().flat_map(|s| &s.segments);
+        row.motion = segments.filter_map(|s| s.times.last()).sum();
+        row.removed = plan.removed.len();
+        row.order = plan.removed;
+        row.iterations = plan.stats.iterations as u64;
+        row.sequences = plan.stats.sequences_tried as u64;
+        row.samples = plan.stats.samples;
+        row.roadmap_nodes = plan.stats.roadmap_nodes;
+        row.retrieval_nodes = plan.stats.retrieval_nodes;
+        let plan_file::Timing { total, task, motion } = plan.timing;
+        let judged = (began.elapsed().as_secs_f64() - total).max(0.0);
+        row.timing = Timing { total, task, motion, judged };
+        Ok(row)
+    }
+
+    /// The fewest removals over all ways of the arm, and the routes that a run of Clearway's finds.
+    fn exact(&self, planner: &mut Planner, mut row: Row) -> Result<Row, NoRow> {
+        let budget = self.budget.clone().with_time(self.time_limit);
+        planner.plan(&Request { seed: row.seed, budget: budget.clone() }, &mut Growing::default());
+        let arm = planner.feasibility();
+        let target = arm.scene().target;
+        let began = Instant::now();
+        let found = arm.frozen(&budget).and_then(|ways| order::fewest(&ways, target, usize::MAX, MOST_SETS, &budget));
+        row.timing.task = began.elapsed().as_secs_f64();
+        row.timing.total = row.timing.task;
+        self.check_not_stopped()?;
+        let set = match found {
+            Ok(Fewest::Found(set)) => Some(set),
+            Ok(_) | Err(Stop::Deadline | Stop::Iterations) => None,
+            Err(Stop::Cancelled) => return Err(NoRow::Stopped),
+        };
+        row.status = if set.is_some() { "solved" } else { "out_of_budget" }.to_owned();
+        row.verdict = "none".to_owned();
+        row.optimum = set.map(|set| set.len());
+        row.removed = row.optimum.unwrap_or(0);
+        Ok(row)
+    }
+
+    fn check_not_stopped(&self) -> Result<(), NoRow> {
+        self.budget.check().map_err(|_| NoRow::Stopped)
+    }
+
+    /// A row with nothing but what was asked for.
+    pub fn named(&self, case: &Case) -> Row {
+        Row {
+            experiment: self.experiment.name().to_owned(),
+            planner: word(&case.planner),
+            objects: case.draw.objects,
+            first_limit: word(&case.first_limit),
+            least_removals: case.draw.least_removals,
+            scene_seed: case.draw.seed,
+            seed: case.seed,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            machine: self.machine.clone(),
+            ..Row::default()
+        }
+    }
+}
+
+/// As it stands in rows.
+fn word(value: &impl serde::Serialize) -> String {
+    serde_json::to_value(value).ok().as_ref().and_then(Value::as_str).unwrap_or_default().to_owned()
+}
+
+fn settings(case: &Case) -> Settings {
+    let settings = if case.planner == TaskPlanner::Paper { Settings::paper() } else { Settings::default() };
+    let first_limit = match case.first_limit {
+        FirstLimit::One => retrieval::FirstLimit::One,
+        FirstLimit::Grasp => retrieval::FirstLimit::GraspCover,
+        FirstLimit::All => retrieval::FirstLimit::All,
+    };
+    Settings { first_limit, ..settings }
+}
+
+fn draw_scene(draw: &Draw) -> Result<Drawn, String> {
+    let wanted = Wanted { objects: draw.objects, seed: draw.seed, least_removals: Some(draw.least_removals) };
+    let drawn = if draw.large { scenarios::large(&wanted) } else { scenarios::shelf(&wanted) };
+    let file = drawn.map_err(|e| e.to_string())?.file;
+    let text = serde_json::to_string(&file).map_err(|e| e.to_string())?;
+    let hash = Sha256::digest(text.as_bytes()).iter().map(|b| format!("{b:02x}")).collect();
+    let scene = Scene::from_file_struct(file, Path::new(".")).map_err(|e| e.to_string())?;
+    Ok(Drawn { scene, hash })
+}
+
+/// Listens to how the graphs grow.
+#[derive(Default)]
+struct Growing(Vec<Growth>);
+
+impl Observer for Growing {
+    fn event(&mut self, event: Event) {
+        if let Event::Iteration { exploration_limit, roadmap_nodes, retrieval_nodes } = event {
+            self.0.push(Growth { exploration_limit, roadmap_nodes, retrieval_nodes });
+        }
+    }
+}
