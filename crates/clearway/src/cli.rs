@@ -235,7 +235,7 @@ pub struct BenchRetrievalArgs {
     /// Runs at a time; more than one disturb each other's times.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub jobs: u32,
-    /// Seconds for one run; default: 10, and 60 for `large` and `optimal`.
+    /// Seconds for one run; default: 10, 60 for `large` and `optimal`, 2 with --quick.
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub time_limit: Option<f64>,
 }

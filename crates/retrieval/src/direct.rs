@@ -100,7 +100,6 @@ impl Direct {
     }
 
     fn look(&mut self, arm: &mut Feasibility, object: ObjectId, limit: usize, budget: &Budget) -> Result<(), Stop> {
-        arm.allow_partial(object, budget)?;
         let most = self.most(object, limit);
         let mut sets = arm.minimal_sets(object, most, budget)?;
         // The target goes last.

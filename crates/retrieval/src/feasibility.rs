@@ -47,8 +47,6 @@ pub struct Feasibility {
     start: Posture,
     /// By object; what was found out about reaching it.
     pub(crate) ways: Vec<Option<Ways>>,
-    /// Objects for which ways that end among the clutter are good enough.
-    partial: ObjectSet,
     scratch: Scratch,
     trees: Trees,
 }
@@ -107,8 +105,8 @@ impl Feasibility {
         let target = &scene.objects[scene.target.index()];
         let floor = Floor::new(&scene, &robot);
         let ways = vec![None; scene.objects.len()];
-        let (partial, scratch, trees) = (ObjectSet::EMPTY, Scratch::default(), Trees::default());
-        let new = Self { scene: scene.clone(), world, floor, inverse, settings, carrying, start, ways, partial, scratch, trees };
+        let (scratch, trees) = (Scratch::default(), Trees::default());
+        let new = Self { scene: scene.clone(), world, floor, inverse, settings, carrying, start, ways, scratch, trees };
         new.start_is_free(&new.start)?;
         if !place::fits_somewhere(&target.solid, &target.pose, &scene.places) {
             return Err(Unfit::NoPlace(format!("no `place` is large enough for the target `{}`", target.id)));
@@ -146,7 +144,6 @@ impl Feasibility {
         self.world.set_scene(&scene);
         self.floor = Floor::new(&scene, &self.world.model.robot);
         self.ways = vec![None; scene.objects.len()];
-        self.partial = ObjectSet::EMPTY;
         self.scene = scene;
     }
 
@@ -156,28 +153,9 @@ impl Feasibility {
         if contacts.is_empty() { Ok(()) } else { Err(Unfit::StartInCollision(contacts)) }
     }
 
-    /// Forgets nothing, but lets ways to any object end among the clutter.
-    pub fn allow_all_partial(&mut self) {
-        self.partial = ObjectSet::first(self.scene.objects.len());
-    }
-
-    /// Lets ways to an object end among the clutter when no other lead to it, whatever is removed.
-    /// True when that is news.
-    pub fn allow_partial(&mut self, object: ObjectId, budget: &Budget) -> Result<bool, Stop> {
-        if self.partial.contains(object)
-            || self.look(object, budget, |explorer, ways, scratch| explorer.any_clear(object, ways, scratch, budget))?
-        {
-            return Ok(false);
-        }
-        self.partial.insert(object);
-        Ok(true)
-    }
-
-    /// Whether there is a way to an object with `removed` gone, one that ends among the clutter only
-    /// where no other leads to it.
+    /// Whether there is a way to an object with `removed` gone.
     pub fn can_pick(&mut self, object: ObjectId, removed: &ObjectSet, budget: &Budget) -> Result<bool, Stop> {
-        Ok(!self.free_ways(object, removed, 1, budget)?.is_empty()
-            || self.allow_partial(object, budget)? && !self.free_ways(object, removed, 1, budget)?.is_empty())
+        Ok(!self.free_ways(object, removed, 1, budget)?.is_empty())
     }
 
     /// Ways that are free once `removed` is gone, as many as `most`, the best first.
@@ -229,11 +207,7 @@ impl Feasibility {
     /// All ways to all objects, routes known by now included: what an exact answer can be about.
     pub fn frozen(&mut self, budget: &Budget) -> Result<WaysIn, Stop> {
         let all = 0..self.scene.objects.len() as u16;
-        all.map(|i| {
-            self.allow_partial(ObjectId(i), budget)?;
-            self.minimal_sets(ObjectId(i), ObjectSet::CAPACITY, budget)
-        })
-        .collect()
+        all.map(|i| self.minimal_sets(ObjectId(i), ObjectSet::CAPACITY, budget)).collect()
     }
 
     /// Looks at every grasp posture of an object.
@@ -282,7 +256,6 @@ impl Feasibility {
             inverse: &self.inverse,
             floor: &self.floor,
             settings: &self.settings,
-            partial: self.partial.contains(object),
         };
         let ways = match &mut self.ways[object.index()] {
             Some(ways) => ways,

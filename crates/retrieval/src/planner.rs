@@ -217,8 +217,7 @@ impl Planner {
                 continue;
             }
             // Everything known has failed at the widest limit. From the beginning, then: other
-            // motions may be found, also from where a way ends among the clutter.
-            self.arm.allow_all_partial();
+            // motions may be found.
             self.graph.forget();
             direct = Direct::new(count, target);
             limit = 1;
@@ -249,7 +248,6 @@ impl Planner {
     fn look_up_to(&mut self, limit: usize, direct: &Direct, budget: &Budget) -> Result<(), Stop> {
         let target = self.arm.scene.target;
         if !self.settings.as_in_paper {
-            self.arm.allow_partial(target, budget)?;
             let sets = self.arm.minimal_sets(target, most_in_way(limit, true), budget)?;
             self.graph.add_direct(&sets);
             let mut objects = self.graph.complete();
@@ -280,11 +278,7 @@ impl Planner {
         let mut removed = ObjectSet::EMPTY;
         let mut needs: Vec<(ObjectId, ObjectSet)> = Vec::new();
         for &object in &sequence.objects {
-            let mut free = self.first_free_way(object, &removed, &run.budget)?;
-            if free.is_none() && !self.settings.as_in_paper && self.arm.allow_partial(object, &run.budget)? {
-                free = self.first_free_way(object, &removed, &run.budget)?;
-            }
-            let Some(first) = free else {
+            let Some(first) = self.first_free_way(object, &removed, &run.budget)? else {
                 let is_target = object == self.arm.scene.target;
                 let most = if self.settings.as_in_paper { self.arm.scene.objects.len() } else { most_in_way(limit, is_target) };
                 let mut sets = self.arm.minimal_sets(object, most, &run.budget)?;

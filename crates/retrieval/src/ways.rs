@@ -167,8 +167,6 @@ pub struct Explorer<'a> {
     pub inverse: &'a InverseKinematics,
     pub floor: &'a Floor,
     pub settings: &'a Settings,
-    /// Ways that end among the clutter count, too.
-    pub partial: bool,
 }
 
 impl Explorer<'_> {
@@ -340,11 +338,6 @@ impl Explorer<'_> {
         moment(self.world, self.settings, object, grasp)
     }
 
-    /// Whether a way leads where it should, for all that is known.
-    fn counts(&self, way: &Way) -> bool {
-        way.clear || way.stage == Stage::Grasp || self.partial
-    }
-
     /// Ways that are free once `removed` is gone, as many as `most`; each is exact. Those that lead
     /// out of the clutter come first, then those that failed least often, then those that end near
     /// the resting posture.
@@ -371,7 +364,7 @@ impl Explorer<'_> {
                 continue;
             }
             let way = &ways.ways[i];
-            let open = self.counts(way) && way.blocked_by.is_subset(removed);
+            let open = way.blocked_by.is_subset(removed);
             // A few more than asked for are found, so that there is a choice.
             if open && way.stage < Stage::Exact && free < most.max(3) {
                 self.advance(object, ways, i, ObjectSet::CAPACITY, scratch);
@@ -389,25 +382,9 @@ impl Explorer<'_> {
         Ok(free)
     }
 
-    /// Whether any way leads out of the clutter, whatever stands in it.
-    pub fn any_clear(&self, object: ObjectId, ways: &mut Ways, scratch: &mut Scratch, budget: &Budget) -> Result<bool, Stop> {
-        loop {
-            budget.check()?;
-            if ways.ways.iter().any(|w| w.stage == Stage::Exact && w.clear) {
-                return Ok(true);
-            }
-            let next = (0..ways.ways.len()).filter(|&i| ways.ways[i].stage < Stage::Exact).min_by_key(|&i| ways.ways[i].blocked_by.len());
-            match next {
-                Some(i) => self.advance(object, ways, i, ObjectSet::CAPACITY, scratch),
-                None if self.see(object, ways, scratch) => {}
-                None => return Ok(false),
-            }
-        }
-    }
-
     /// Ways known to be free once `removed` is gone.
     fn free_now(&self, ways: &Ways, removed: &ObjectSet) -> impl Iterator<Item = usize> {
-        let free = |w: &Way| w.stage == Stage::Exact && self.counts(w) && w.blocked_by.is_subset(removed);
+        let free = |w: &Way| w.stage == Stage::Exact && w.blocked_by.is_subset(removed);
         (0..ways.ways.len()).filter(move |&i| free(&ways.ways[i]))
     }
 
@@ -424,10 +401,10 @@ impl Explorer<'_> {
         self.see_all(object, ways, scratch, budget)?;
         loop {
             budget.check()?;
-            let exact = |w: &&Way| w.stage == Stage::Exact && self.counts(w) && w.blocked_by.len() <= most;
+            let exact = |w: &&Way| w.stage == Stage::Exact && w.blocked_by.len() <= most;
             let minimal = ObjectSet::minimal(ways.ways.iter().filter(exact).map(|w| w.blocked_by).collect());
             let next = (0..ways.ways.len())
-                .filter(|&i| ways.ways[i].stage < Stage::Exact && self.counts(&ways.ways[i]))
+                .filter(|&i| ways.ways[i].stage < Stage::Exact)
                 .filter(|&i| ways.ways[i].blocked_by.len() <= most)
                 .filter(|&i| !minimal.iter().any(|m| m.is_subset(&ways.ways[i].blocked_by)))
                 .min_by_key(|&i| (ways.ways[i].blocked_by.len(), std::cmp::Reverse(ways.ways[i].stage)));

@@ -16,7 +16,7 @@ use std::collections::HashSet;
 use std::time::Instant;
 
 pub fn run(experiment: Experiment, args: &BenchRetrievalArgs) -> Result<Exit, Failure> {
-    let time_limit = args.time_limit.unwrap_or(experiment.time_limit());
+    let time_limit = args.time_limit.unwrap_or(experiment.time_limit(args.quick));
     let settings = json!({
         "experiment": experiment.name(),
         "quick": args.quick,
