@@ -25,6 +25,13 @@ pub fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
+/// Standard deviation of a sample: over one less than there are; `None` of fewer than two.
+pub fn deviation(values: &[f64]) -> Option<f64> {
+    let middle = mean(values).filter(|_| values.len() > 1)?;
+    let squares: f64 = values.iter().map(|v| (v - middle).powi(2)).sum();
+    Some((squares / (values.len() - 1) as f64).sqrt()).filter(|d| d.is_finite())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -40,5 +47,6 @@ mod tests {
             (Some(95.0), Some(100.0), Some(1.0))
         );
         assert_eq!(mean(&hundred), Some(50.5));
+        assert_eq!((deviation(&[1.0]), deviation(&[1.0, 3.0, 5.0])), (None, Some(2.0)));
     }
 }

@@ -6,6 +6,7 @@ pub mod report;
 pub mod row;
 pub mod run;
 pub mod runner;
+mod table;
 
 pub use experiment::Experiment;
 pub use row::Row;
