@@ -8,7 +8,7 @@
 use crate::grasps::Grasp;
 use crate::place;
 use crate::ways::Way;
-use clearway_collision::{Held, Lean, Moment, Obstacle, World};
+use clearway_collision::{Held, Lean, Moment, Obstacle, Scratch, Touch, World};
 use clearway_geometry::{Mat3, Pose, Vec2, Vec3};
 use clearway_motion::{
     Limits, NearEnds, Path, Posture, RrtSettings, SimplifySettings, Space, Surely, Timed, Trees, connect,
@@ -163,6 +163,11 @@ impl<R: Rng> Carrier<'_, R> {
         approach.gripping = Some(object);
         approach.margin = self.settings.final_margin;
         let there = attempt!(self.timed(&approach, &there, None, "the approach"));
+        match self.hand_turning(&way.postures[0], &approach, grasp.closed) {
+            Touch::FREE => {}
+            Touch::Objects(touched) => return obstructed("closing the hand", touched),
+            Touch::Fixed => return obstructed("closing the hand", ObjectSet::EMPTY),
+        }
 
         // Out with it and to a spot.
         let mut carrying = Moment::new(before.standing.difference(ObjectSet::of(object)), grasp.closed, self.settings.margin);
@@ -201,6 +206,22 @@ impl<R: Rng> Carrier<'_, R> {
 
         let step = self.step(object, grasp, &placement.pose, there, across, back);
         Ok(Ok(Carried { step, after, way_blocked_by: way.blocked_by }))
+    }
+
+    /// What the robot touches while its hand turns from where a moment has it to another value: fingers may
+    /// swing outwards on their way.
+    fn hand_turning(&self, posture: &Posture, moment: &Moment, to: f64) -> Touch {
+        const STEPS: usize = 16;
+        let mut scratch = Scratch::default();
+        let mut touched = ObjectSet::EMPTY;
+        for i in 1..=STEPS {
+            let hand = moment.hand + (to - moment.hand) * i as f64 / STEPS as f64;
+            match self.world.touched(posture, &Moment { hand, ..moment.clone() }, &mut scratch) {
+                Touch::Fixed => return Touch::Fixed,
+                Touch::Objects(set) => touched = touched.union(set),
+            }
+        }
+        Touch::Objects(touched)
     }
 
     /// A free motion, shortened. When none is found, a motion that may pass through objects tells
@@ -426,7 +447,7 @@ impl<R: Rng> Carrier<'_, R> {
             }
             lower.reverse();
             // Opening, the fingers need room between what stands there already.
-            if !leaving.free(&down) {
+            if !leaving.free(&down) || self.hand_turning(&down, leaving.moment, grasp.closed) != Touch::FREE {
                 continue;
             }
             let mut back = vec![down];

@@ -175,35 +175,6 @@ impl Feasibility {
         unfinished.map(|w| w.blocked_by.len()).filter(|&n| n > most).min()
     }
 
-    /// Takes whatever can be picked, the nearest first, until the target can: an order that is far too
-    /// long, but there is none without it, as far as ways are known.
-    pub fn take_all(&mut self, budget: &Budget) -> Result<Option<Vec<ObjectId>>, Stop> {
-        let (base, target) = (self.base(), self.scene.target);
-        let from_base = |o: &ObjectId| self.scene.objects[o.index()].pose.translation.truncate().distance(base);
-        let mut standing: Vec<ObjectId> = (0..self.scene.objects.len() as u16).map(ObjectId).collect();
-        standing.sort_by(|a, b| from_base(a).total_cmp(&from_base(b)));
-        let mut removed = ObjectSet::EMPTY;
-        let mut order = Vec::new();
-        loop {
-            if self.can_pick(target, &removed, budget)? {
-                order.push(target);
-                return Ok(Some(order));
-            }
-            let before = order.len();
-            for object in std::mem::take(&mut standing) {
-                if object != target && self.can_pick(object, &removed, budget)? {
-                    removed.insert(object);
-                    order.push(object);
-                } else {
-                    standing.push(object);
-                }
-            }
-            if order.len() == before {
-                return Ok(None);
-            }
-        }
-    }
-
     /// All ways to all objects, routes known by now included: what an exact answer can be about.
     pub fn frozen(&mut self, budget: &Budget) -> Result<WaysIn, Stop> {
         let all = 0..self.scene.objects.len() as u16;

@@ -30,7 +30,7 @@ pub struct Recipe {
     pub gap: f64,
     /// In front of the target is at least this part of the depth.
     pub behind: f64,
-    /// Whether the target must be one that can be had, as far as can be told.
+    /// Whether the target must be one that can be had with at most twice the removals asked for.
     pub solvable: bool,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A draw is rejected when the target can be had with fewer removals than asked for; without asking,
 //! when it can be had directly. That is decided by the planner itself, with the arm. Large scenes are
-//! also rejected when the target cannot be had, as far as can be told. Everything comes from the seed.
+//! also rejected when it takes more than twice as many, as far as can be told. Everything comes from the seed.
 
 mod cabinet;
 
@@ -13,7 +13,7 @@ use clearway_collision::CollisionModel;
 use clearway_plan::event::Silent;
 use clearway_plan::plan_file::Status;
 use clearway_plan::{Budget, SceneFile};
-use clearway_retrieval::{Planner, Request, Settings, Unfit};
+use clearway_retrieval::{Planner, Request, Settings, Unfit, order};
 use clearway_robot::Robot;
 use clearway_scene::Scene;
 use rand::SeedableRng;
@@ -96,7 +96,7 @@ fn draw(recipe: &Recipe, wanted: &Wanted) -> Result<Drawn, NoScene> {
         file.name = format!("{}-{}-{}", recipe.name, wanted.objects, wanted.seed);
         let scene = Scene::from_file_struct(file, Path::new(".")).map_err(|e| NoScene::Unsound(e.to_string()))?;
         let file = scene.file.clone();
-        let unfit = recipe.solvable && !can_be_had(scene.clone(), model.clone())?
+        let unfit = recipe.solvable && !can_be_had(scene.clone(), model.clone(), 2 * least)?
             || least > 1 && fewer_suffice(scene, model.clone(), least)?;
         if !unfit {
             return Ok(Drawn { file, rejected, as_wanted: true });
@@ -119,11 +119,14 @@ fn fewer_suffice(scene: Scene, model: Arc<CollisionModel>, least: usize) -> Resu
     Ok(answer.plan.status == Status::Solved && answer.plan.removed.len() < least)
 }
 
-/// Whether the target can be picked once everything is gone that can be picked before it.
-fn can_be_had(scene: Scene, model: Arc<CollisionModel>) -> Result<bool, NoScene> {
+/// Whether the target can be had with so few removals, as far as the arm's own ways tell.
+fn can_be_had(scene: Scene, model: Arc<CollisionModel>, most: usize) -> Result<bool, NoScene> {
+    let target = scene.target;
     let mut planner = Planner::with_model(scene, model, Settings::default()).map_err(unsound)?;
+    let budget = Budget::unlimited();
     // Nothing stops it.
-    Ok(planner.feasibility().take_all(&Budget::unlimited()).is_ok_and(|order| order.is_some()))
+    let few = planner.feasibility().frozen(&budget).and_then(|ways| order::few(&ways, target, &budget));
+    Ok(few.is_ok_and(|set| set.is_some_and(|set| set.len() <= most)))
 }
 
 fn unsound(unfit: Unfit) -> NoScene {

@@ -27,7 +27,7 @@ pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
         Some(path) => output::write(path, text.as_bytes())?,
         None => output::print(&text)?,
     }
-    let stuck = if matches!(args.kind, Kind::Large) { ", or because the target cannot be had" } else { "" };
+    let stuck = if matches!(args.kind, Kind::Large) { ", or more than twice as many are needed" } else { "" };
     tell(&format!(
         "{} objects, target {}; {} draw{} rejected because fewer than {least} removals suffice{stuck}",
         drawn.file.objects.len(),

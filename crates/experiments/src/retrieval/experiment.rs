@@ -99,7 +99,7 @@ impl Experiment {
             }
             Self::Graphs => {
                 let draws = sizes.into_iter().flat_map(|n| (1..=scenes).map(move |s| shelf(n, s)));
-                cross(draws, [(Paper, FirstLimit::One)], if quick { 1 } else { 5 })
+                cross(draws, [(Paper, FirstLimit::One)], 1)
             }
             Self::Peers => {
                 let with = [Clearway, Traversability, ShortestPath].map(|p| (p, FirstLimit::One));
