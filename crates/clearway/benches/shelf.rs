@@ -82,7 +82,7 @@ fn run(scene: &Scene, model: &Arc<CollisionModel>, here: &Path, seed: u64) -> Op
     let began = Instant::now();
     let mut planner = Planner::with_model(scene.clone(), model.clone(), Settings::default()).expect("a fit scene");
     let prepared = began.elapsed();
-    let request = Request { seed: 1, budget: Budget::unlimited().with_time(Duration::from_secs(10)) };
+    let request = Request::new(1, Budget::unlimited().with_time(Duration::from_secs(10)));
     let began = Instant::now();
     match solve(&mut planner, &request, here, &mut Silent) {
         Outcome::Solved(verified) => {

@@ -3,7 +3,7 @@
 //! ```no_run
 //! let (scene, robot) = clearway::open("examples/shelf.yaml".as_ref(), &[])?;
 //! let mut planner = clearway::Planner::new(scene, robot, clearway::Settings::default()).unwrap();
-//! let request = clearway::Request { seed: 1, budget: clearway::Budget::unlimited() };
+//! let request = clearway::Request::new(1, clearway::Budget::unlimited());
 //! match clearway::solve(&mut planner, &request, ".".as_ref(), &mut clearway::Silent) {
 //!     clearway::Outcome::Solved(plan) => println!("{:?}", plan.plan().removed),
 //!     other => println!("{other:?}"),

@@ -50,25 +50,27 @@ pub fn duration(plan: &PlanFile) -> f64 {
     plan.steps.iter().flat_map(|s| &s.segments).filter_map(|s| s.times.last()).sum()
 }
 
-/// Spends more time on a better plan: fewer removals, then shorter motion. Other seeds are planned
-/// with and verified; the best is kept.
+/// Spends more time on a better plan: fewer removals, until there are as few as its lower bound says are
+/// needed or none are found, and then, with other seeds, shorter motion. All are verified; the best is kept.
 pub fn improve(planner: &mut Planner, first: Box<VerifiedPlan>, request: &Request, spend: Duration, directory: &Path) -> Box<VerifiedPlan> {
     let until = Instant::now() + spend;
-    let rank = |plan: &PlanFile| (plan.removed.len(), duration(plan));
     let mut best = first;
     let mut seed = request.seed;
-    while let Some(left) = until.checked_duration_since(Instant::now()).filter(|d| !d.is_zero()) {
+    let mut fewest = false;
+    loop {
+        let removed = best.plan().removed.len();
+        fewest |= removed <= 1 || best.plan().lower_bound.as_ref().is_some_and(|bound| bound.removed >= removed);
         seed = seed.wrapping_add(1);
+        let left = until.saturating_duration_since(Instant::now());
         let budget: Budget = request.budget.without_deadline().with_time(left);
-        if budget.check().is_err() {
-            break;
+        if left.is_zero() || budget.check().is_err() {
+            return best;
         }
-        let request = Request { seed, budget };
-        match solve(planner, &request, directory, &mut Silent) {
-            Outcome::Solved(plan) if rank(plan.plan()) < rank(best.plan()) => best = plan,
-            Outcome::OutOfBudget(_, Stop::Cancelled) => break,
-            _ => {}
+        let most_removals = Some(if fewest { removed } else { removed - 1 });
+        match solve(planner, &Request { seed, budget, most_removals }, directory, &mut Silent) {
+            Outcome::Solved(plan) if !fewest || duration(plan.plan()) < duration(best.plan()) => best = plan,
+            Outcome::Solved(_) => {}
+            _ => fewest = true,
         }
     }
-    best
 }

@@ -24,7 +24,7 @@ fn planned(objects: usize, seed: u64) -> PlanFile {
     let drawn = scenarios::shelf(&Wanted { objects, seed, least_removals: None }).expect("a scene");
     let scene = Scene::from_file_struct(drawn.file, here).expect("a sound scene");
     let mut planner = Planner::new(scene, robot, Settings::default()).expect("a fit scene");
-    let request = Request { seed: 1, budget: Budget::unlimited().with_time(Duration::from_secs(60)) };
+    let request = Request::new(1, Budget::unlimited().with_time(Duration::from_secs(60)));
     match solve(&mut planner, &request, here, &mut Silent) {
         Outcome::Solved(verified) => verified.into_inner(),
         Outcome::Refused(rejected) => panic!("{objects} objects, seed {seed}: refused: {rejected}"),

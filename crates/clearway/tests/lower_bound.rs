@@ -23,7 +23,7 @@ fn plan(file: SceneFile) -> PlanFile {
     let scene = Scene::from_file_struct(file, Path::new(".")).expect("a sound scene");
     let mut planner = Planner::with_model(scene, model(), Settings::default()).expect("a fit scene");
     let budget = Budget::unlimited().with_time(Duration::from_secs(60));
-    planner.plan(&Request { seed: 1, budget }, &mut Silent).plan
+    planner.plan(&Request::new(1, budget), &mut Silent).plan
 }
 
 fn bound(plan: &PlanFile) -> usize {

@@ -10,6 +10,8 @@ use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 
 /// Sets looked at for the fewest before few will do: milliseconds.
 const MOST_SETS: usize = 1000;
+/// Where no more than so many removals will do: seconds.
+const THOROUGH: usize = 300_000;
 
 /// What a limit's search came to.
 pub enum Directly {
@@ -21,6 +23,8 @@ pub enum Directly {
 
 pub struct Direct {
     target: ObjectId,
+    /// No more will do.
+    most: Option<usize>,
     ways: WaysIn,
     /// By object: ways with so many objects in them were looked into, and the least that was not.
     looked: Vec<Option<(usize, Option<usize>)>>,
@@ -30,9 +34,9 @@ pub struct Direct {
 }
 
 impl Direct {
-    pub fn new(count: usize, target: ObjectId) -> Self {
+    pub fn new(count: usize, target: ObjectId, most: Option<usize>) -> Self {
         let free = vec![ObjectSet::EMPTY];
-        Self { target, ways: vec![free; count], looked: vec![None; count], failures: Vec::new(), many: false }
+        Self { target, most, ways: vec![free; count], looked: vec![None; count], failures: Vec::new(), many: false }
     }
 
     /// The fewest objects, at most `limit` of them with the target; where that is too much to ask, few,
@@ -41,19 +45,21 @@ impl Direct {
         // Those that came up before; ways that more objects stand in may count now.
         for index in 0..self.looked.len() {
             let object = ObjectId(index as u16);
-            if self.looked[index].is_some_and(|(_, next)| next.is_some_and(|next| next <= self.most(object, *limit))) {
+            if self.looked[index].is_some_and(|(_, next)| next.is_some_and(|next| next <= self.in_way(object, *limit))) {
                 self.look(arm, object, *limit, budget)?;
             }
         }
         loop {
             budget.check()?;
-            let few = order::few(&self.ways, self.target, budget)?;
+            let will_do = |set: &ObjectSet| self.most.is_none_or(|most| set.len() <= most);
+            let few = order::few(&self.ways, self.target, budget)?.filter(will_do);
+            let sets = if self.most.is_some() { THOROUGH } else { MOST_SETS };
             let found = match few {
                 Some(set) if set.len() <= *limit || self.many => {
                     *limit = set.len().max(*limit);
                     set
                 }
-                _ => match order::fewest(&self.ways, self.target, *limit, MOST_SETS, budget)? {
+                _ => match order::fewest(&self.ways, self.target, *limit, sets, budget)? {
                     Fewest::Found(set) => set,
                     Fewest::None { at_least } => {
                         let more = (0..self.looked.len()).filter_map(|i| {
@@ -73,7 +79,7 @@ impl Direct {
             };
             let shallow = |o: &ObjectId| match self.looked[o.index()] {
                 None => true,
-                Some((most, more)) => more.is_some() && most < self.most(*o, *limit),
+                Some((most, more)) => more.is_some() && most < self.in_way(*o, *limit),
             };
             let Some(object) = Some(self.target).filter(shallow).or_else(|| found.iter().find(shallow)) else {
                 return Ok(Directly::Objects(self.arrange(arm, &found)));
@@ -95,12 +101,12 @@ impl Direct {
     }
 
     /// How many objects may stand in the way of an object in a sequence of at most `limit`.
-    fn most(&self, object: ObjectId, limit: usize) -> usize {
+    fn in_way(&self, object: ObjectId, limit: usize) -> usize {
         most_in_way(limit, object == self.target)
     }
 
     fn look(&mut self, arm: &mut Feasibility, object: ObjectId, limit: usize, budget: &Budget) -> Result<(), Stop> {
-        let most = self.most(object, limit);
+        let most = self.in_way(object, limit);
         let mut sets = arm.minimal_sets(object, most, budget)?;
         // The target goes last.
         sets.retain(|s| !s.contains(self.target));

@@ -66,6 +66,14 @@ impl Settings {
 pub struct Request {
     pub seed: u64,
     pub budget: Budget,
+    /// Only plans that remove at most so many, the target included; looked for more thoroughly.
+    pub most_removals: Option<usize>,
+}
+
+impl Request {
+    pub fn new(seed: u64, budget: Budget) -> Self {
+        Self { seed, budget, most_removals: None }
+    }
 }
 
 /// A session's answer; the plan is not yet verified.
@@ -138,6 +146,7 @@ impl Planner {
         let mut run = Run {
             random_roadmap: Xoshiro256PlusPlus::seed_from_u64(request.seed ^ 0x526f_6164),
             journey: Journey::new(request.seed),
+            most_removals: request.most_removals,
             budget: request.budget.clone(),
             stats: Stats::default(),
             observer,
@@ -181,8 +190,9 @@ impl Planner {
             FirstLimit::GraspCover => 1 + self.arm.minimal_sets(target, count, &run.budget)?.iter().map(ObjectSet::len).min().unwrap_or(0),
             FirstLimit::All => count,
         };
-        let mut limit = first;
-        let mut direct = Direct::new(count, target);
+        let most = run.most_removals.unwrap_or(count).min(count);
+        let mut limit = first.min(most);
+        let mut direct = Direct::new(count, target, run.most_removals);
         loop {
             run.budget.iteration()?;
             run.stats.iterations += 1;
@@ -192,7 +202,7 @@ impl Planner {
                 match self.search_directly(&mut direct, &mut limit, run)? {
                     Ok(sequence) => return Ok(Some(sequence)),
                     // As long as there may be more of these, long ones along the roadmap are not asked for.
-                    Err(Some(next)) if limit >= LONG && next <= count => {
+                    Err(Some(next)) if limit >= LONG && next <= most => {
                         limit = next;
                         continue;
                     }
@@ -212,14 +222,17 @@ impl Planner {
             if let Some(sequence) = self.check_all(limit, run)? {
                 return Ok(Some(sequence));
             }
-            if limit < count {
+            if limit < most {
                 limit += 1;
                 continue;
+            }
+            if run.most_removals.is_some() {
+                return Err(Stop::Iterations);
             }
             // Everything known has failed at the widest limit. From the beginning, then: other
             // motions may be found.
             self.graph.forget();
-            direct = Direct::new(count, target);
+            direct = Direct::new(count, target, None);
             limit = 1;
         }
     }
@@ -347,6 +360,7 @@ const LONG: usize = 6;
 struct Run<'a> {
     random_roadmap: Xoshiro256PlusPlus,
     journey: Journey,
+    most_removals: Option<usize>,
     budget: Budget,
     stats: Stats,
     observer: &'a mut dyn Observer,

@@ -24,7 +24,7 @@ fn shelf() -> (Scene, Arc<Robot>) {
 }
 
 fn request(seed: u64) -> Request {
-    Request { seed, budget: Budget::unlimited().with_iterations(40) }
+    Request::new(seed, Budget::unlimited().with_iterations(40))
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn a_spent_budget_says_what_stood_in_the_way() {
     let (scene, robot) = shelf();
     let target = scene.file.target.clone();
     let mut planner = Planner::new(scene, robot, Settings::default()).unwrap();
-    let answer = planner.plan(&Request { seed: 1, budget: Budget::unlimited().with_iterations(1) }, &mut Silent);
+    let answer = planner.plan(&Request::new(1, Budget::unlimited().with_iterations(1)), &mut Silent);
     assert_eq!(answer.plan.status, Status::OutOfBudget);
     let why = answer.plan.why.objects.iter().find(|o| o.object == target).unwrap();
     assert!(!why.blocked_by.is_empty() && !why.grasps.is_empty());

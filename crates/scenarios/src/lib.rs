@@ -112,11 +112,10 @@ fn draw(recipe: &Recipe, wanted: &Wanted) -> Result<Drawn, NoScene> {
 /// with its exploration limit held below.
 fn fewer_suffice(scene: Scene, model: Arc<CollisionModel>, least: usize) -> Result<bool, NoScene> {
     let mut planner = Planner::with_model(scene, model, Settings::default()).map_err(unsound)?;
-    // L rises by one a round, from 1: so many rounds look at all shorter sequences. The deadline
-    // only guards against a scene that never ends; a draw is then kept.
-    let budget = Budget::unlimited().with_iterations(least as u64 - 1).with_time(Duration::from_secs(20));
-    let answer = planner.plan(&Request { seed: 1, budget }, &mut Silent);
-    Ok(answer.plan.status == Status::Solved && answer.plan.removed.len() < least)
+    // The deadline only guards against a scene that never ends; a draw is then kept.
+    let budget = Budget::unlimited().with_time(Duration::from_secs(20));
+    let request = Request { most_removals: Some(least - 1), ..Request::new(1, budget) };
+    Ok(planner.plan(&request, &mut Silent).plan.status == Status::Solved)
 }
 
 /// Whether the target can be had with so few removals, as far as the arm's own ways tell.

@@ -26,7 +26,7 @@ pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
     if args.time_limit.is_some() || args.iterations.is_none() {
         budget = budget.with_time(Duration::from_secs_f64(args.time_limit.unwrap_or(TIME_LIMIT)));
     }
-    let request = Request { seed: args.seed, budget };
+    let request = Request::new(args.seed, budget);
     let directory = args.output.as_deref().map_or(PathBuf::from("."), directory_of);
     let mut progress = Progress::new(!args.json);
     let outcome = clearway::solve(&mut planner, &request, &directory, &mut progress);

@@ -81,7 +81,7 @@ impl Bench {
         let Drawn { scene, hash } = self.drawn(&case.draw)?;
         let model = self.model()?;
         let mut row = Row { scene: hash, ..self.named(case) };
-        let request = Request { seed: case.seed, budget: self.budget.clone().with_time(self.time_limit) };
+        let request = Request::new(case.seed, self.budget.clone().with_time(self.time_limit));
         let unfit = |unfit| NoRow::Internal(format!("{:?}: {unfit:?}", case.draw));
         let began = Instant::now();
         let plan = match case.planner {
@@ -153,7 +153,7 @@ impl Bench {
     /// The fewest removals over all ways of the arm, and the routes that a run of Clearway's finds.
     fn exact(&self, planner: &mut Planner, mut row: Row) -> Result<Row, NoRow> {
         let budget = self.budget.clone().with_time(self.time_limit);
-        planner.plan(&Request { seed: row.seed, budget: budget.clone() }, &mut Growing::default());
+        planner.plan(&Request::new(row.seed, budget.clone()), &mut Growing::default());
         let arm = planner.feasibility();
         let target = arm.scene().target;
         let began = Instant::now();
