@@ -198,15 +198,22 @@ fn why_not(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'
             let reason = match (&why.blocked_by, arm.ways[i].as_ref().map(|w| w.ways.len())) {
                 (_, Some(0)) => "no grasp leads to it, whatever is removed".to_owned(),
                 (by, _) if by.is_empty() => "it can be picked as things stand".to_owned(),
-                (by, _) => format!(
-                    "one of these has to go first: {}",
-                    by.iter().map(|s| format!("{{{}}}", s.join(", "))).collect::<Vec<_>>().join(" or ")
-                ),
+                (by, _) => format!("one of these has to go first: {}", some_of(by)),
             };
             ObjectWhy { object: names[i].clone(), reason, ..why }
         })
         .collect();
     Why { summary, objects }
+}
+
+/// A few sets, the smallest first, and how many more there are.
+fn some_of(sets: &[Vec<String>]) -> String {
+    const SHOWN: usize = 4;
+    let mut sorted: Vec<&Vec<String>> = sets.iter().collect();
+    sorted.sort_by_key(|s| s.len());
+    let shown: Vec<String> = sorted.iter().take(SHOWN).map(|s| format!("{{{}}}", s.join(", "))).collect();
+    let more = if sets.len() > SHOWN { format!(", or {} larger sets", sets.len() - SHOWN) } else { String::new() };
+    shown.join(" or ") + &more
 }
 
 /// What stands in the way of an object, over all its ways, and what became of its grasps.

@@ -94,13 +94,24 @@ fn blocked(case: &ObjectCase) -> String {
 
 /// What was learned about each object, a paragraph each.
 pub fn objects(plan: &PlanFile) -> String {
-    let mut out = String::new();
-    for why in &plan.why.objects {
-        let order = if why.order > 0 { format!("{}. ", why.order) } else { "- ".to_owned() };
-        out += &format!("{order}{}: {}\n", why.object, why.reason);
-        out += &details(why);
+    plan.why.objects.iter().map(object).collect()
+}
+
+/// The same of the target and a few others.
+pub fn some_objects(plan: &PlanFile) -> String {
+    const SHOWN: usize = 6;
+    let (target, others): (Vec<&ObjectWhy>, Vec<&ObjectWhy>) =
+        plan.why.objects.iter().partition(|why| why.object == plan.scene.target);
+    let mut out: String = target.into_iter().chain(others.iter().take(SHOWN).copied()).map(object).collect();
+    if others.len() > SHOWN {
+        out += &format!("… and {} more; with a plan file (-o) `clearway explain` tells all\n", others.len() - SHOWN);
     }
     out
+}
+
+fn object(why: &ObjectWhy) -> String {
+    let order = if why.order > 0 { format!("{}. ", why.order) } else { "- ".to_owned() };
+    format!("{order}{}: {}\n{}", why.object, why.reason, details(why))
 }
 
 fn details(why: &ObjectWhy) -> String {

@@ -71,7 +71,7 @@ pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> Stri
         );
         out += "  verified: no violations\n";
     } else {
-        out += &super::explain::objects(plan);
+        out += &super::explain::some_objects(plan);
     }
     for (what, path) in [("plan", output), ("page", html)] {
         if let Some(path) = path {
