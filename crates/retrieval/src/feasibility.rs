@@ -175,8 +175,10 @@ impl Feasibility {
         unfinished.map(|w| w.blocked_by.len()).filter(|&n| n > most).min()
     }
 
-    /// All ways to all objects, routes known by now included: what an exact answer can be about.
+    /// All ways to all objects, routes known by now included, those left out for which no motion was found:
+    /// what an exact answer can be about.
     pub fn frozen(&mut self, budget: &Budget) -> Result<WaysIn, Stop> {
+        self.ways.iter_mut().flatten().for_each(Ways::drop_failed);
         let all = 0..self.scene.objects.len() as u16;
         all.map(|i| self.minimal_sets(ObjectId(i), ObjectSet::CAPACITY, budget)).collect()
     }

@@ -151,6 +151,12 @@ impl Ways {
         self.ways.len() > before
     }
 
+    /// Forgets ways along which no motion was found.
+    pub(crate) fn drop_failed(&mut self) {
+        self.straight = self.ways[..self.straight].iter().filter(|w| w.failures == 0).count();
+        self.ways.retain(|w| w.failures == 0);
+    }
+
     /// What became of the grasp postures, those not looked at included.
     pub fn grasp_counts(&self) -> Vec<GraspCount> {
         let mut counts = self.counts.list();
