@@ -240,6 +240,7 @@ impl Planner {
     /// The fewest objects along the arm's own ways; where there are none, the next limit at which there
     /// may be some.
     fn search_directly(&mut self, direct: &mut Direct, limit: &mut usize, run: &mut Run) -> Result<Result<Sequence, Option<usize>>, Stop> {
+        let mut in_vain: Option<Vec<ObjectId>> = None;
         loop {
             let objects = match direct.search(&mut self.arm, limit, &run.budget)? {
                 Directly::Objects(objects) => objects,
@@ -248,9 +249,12 @@ impl Planner {
             run.stats.exploration_limit = *limit;
             run.stats.sequences_tried += 1;
             run.observer.event(Event::Sequence { objects: self.name_all(&objects) });
+            let tried = objects.clone();
             let sequence = Sequence { objects, nodes: Vec::new(), distance: 0.0 };
             match self.check(sequence, *limit, run)? {
                 Ok(sequence) => return Ok(Ok(sequence)),
+                // With nothing to blame, chance may have been: it is asked once more.
+                Err(failure) if failure.blamed.is_empty() && in_vain.as_ref() != Some(&tried) => in_vain = Some(tried),
                 Err(failure) => direct.failed(failure),
             }
         }
