@@ -175,10 +175,13 @@ impl Feasibility {
         unfinished.map(|w| w.blocked_by.len()).filter(|&n| n > most).min()
     }
 
-    /// All ways to all objects, routes known by now included, those left out for which no motion was found:
-    /// what an exact answer can be about.
-    pub fn frozen(&mut self, budget: &Budget) -> Result<WaysIn, Stop> {
+    /// Forgets ways along which no motion was found.
+    pub fn drop_failed(&mut self) {
         self.ways.iter_mut().flatten().for_each(Ways::drop_failed);
+    }
+
+    /// All ways to all objects, routes known by now included: what an exact answer can be about.
+    pub fn frozen(&mut self, budget: &Budget) -> Result<WaysIn, Stop> {
         let all = 0..self.scene.objects.len() as u16;
         all.map(|i| self.minimal_sets(ObjectId(i), ObjectSet::CAPACITY, budget)).collect()
     }
@@ -328,7 +331,10 @@ impl Feasibility {
             };
             let way = &ways.ways[index];
             match carrier.take(object, &ways.grasps[way.grasp], way, &situation, last)? {
-                Ok(carried) => return Ok(Ok(carried)),
+                Ok(carried) => {
+                    ways.ways[index].failures = 0;
+                    return Ok(Ok(carried));
+                }
                 Err(obstruction) => {
                     ways.ways[index].failures += 1;
                     journey.obstruction = Some((object, obstruction.what));

@@ -150,11 +150,13 @@ impl Bench {
         Ok(row)
     }
 
-    /// The fewest removals over all ways of the arm, and the routes that a run of Clearway's finds.
+    /// The fewest removals over all ways of the arm and the routes that a run of Clearway's finds, but those
+    /// along which it found no motion.
     fn exact(&self, planner: &mut Planner, mut row: Row) -> Result<Row, NoRow> {
         let budget = self.budget.clone().with_time(self.time_limit);
         planner.plan(&Request::new(row.seed, budget.clone()), &mut Growing::default());
         let arm = planner.feasibility();
+        arm.drop_failed();
         let target = arm.scene().target;
         let began = Instant::now();
         let found = arm.frozen(&budget).and_then(|ways| order::fewest(&ways, target, usize::MAX, MOST_SETS, &budget));
