@@ -6,7 +6,7 @@
 //! the worst scenes.
 
 use clearway::scenarios::{self, Wanted};
-use clearway::{Budget, CollisionModel, Outcome, Planner, Request, Robot, Scene, Settings, Silent, duration, solve};
+use clearway::{Budget, CollisionModel, Outcome, Planner, Request, Robot, Scene, Settings, Silent, solve};
 use clearway_experiments::statistics::{mean, quantile};
 use std::path::Path;
 use std::sync::Arc;
@@ -93,7 +93,7 @@ fn run(scene: &Scene, model: &Arc<CollisionModel>, here: &Path, seed: u64) -> Op
                 task: plan.timing.task,
                 motion: plan.timing.motion,
                 judged: began.elapsed().as_secs_f64() - plan.timing.total,
-                lasts: duration(plan),
+                lasts: plan.duration(),
                 removed: plan.removed.len() as f64,
                 proved: plan.lower_bound.as_ref().is_some_and(|b| b.removed == plan.removed.len()),
             })

@@ -27,7 +27,7 @@ pub use clearway_scenarios as scenarios;
 pub use clearway_scene::Scene;
 pub use clearway_verify::{Report, VerifiedPlan, read_plan, verify, verify_file};
 pub use motion::{MotionOutcome, plan_motion};
-pub use outcome::{Outcome, duration, improve, solve};
+pub use outcome::{Outcome, improve, solve};
 pub use written::{page, to_json, with_meshes_relative_to};
 
 use clearway_files::{Limits, read_text, yaml};

@@ -2,7 +2,8 @@
 
 use crate::written::with_meshes_relative_to;
 use clearway_plan::event::{Observer, Silent};
-use clearway_plan::plan_file::{PlanFile, Status};
+use clearway_plan::PlanFile;
+use clearway_plan::plan_file::Status;
 use clearway_plan::{Budget, Stop};
 use clearway_retrieval::{Planner, Request};
 use clearway_verify::{Rejected, VerifiedPlan, accept};
@@ -45,11 +46,6 @@ pub fn solve(planner: &mut Planner, request: &Request, directory: &Path, observe
     }
 }
 
-/// Seconds of motion in a plan.
-pub fn duration(plan: &PlanFile) -> f64 {
-    plan.steps.iter().flat_map(|s| &s.segments).filter_map(|s| s.times.last()).sum()
-}
-
 /// Spends more time on a better plan: fewer removals, until there are as few as its lower bound says are
 /// needed or none are found, and then, with other seeds, shorter motion. All are verified; the best is kept.
 pub fn improve(planner: &mut Planner, first: Box<VerifiedPlan>, request: &Request, spend: Duration, directory: &Path) -> Box<VerifiedPlan> {
@@ -68,7 +64,7 @@ pub fn improve(planner: &mut Planner, first: Box<VerifiedPlan>, request: &Reques
         }
         let most_removals = Some(if fewest { removed } else { removed - 1 });
         match solve(planner, &Request { seed, budget, most_removals }, directory, &mut Silent) {
-            Outcome::Solved(plan) if !fewest || duration(plan.plan()) < duration(best.plan()) => best = plan,
+            Outcome::Solved(plan) if !fewest || plan.plan().duration() < best.plan().duration() => best = plan,
             Outcome::Solved(_) => {}
             _ => fewest = true,
         }

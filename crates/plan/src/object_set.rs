@@ -150,6 +150,14 @@ impl fmt::Debug for ObjectSet {
     }
 }
 
+/// `{o3, o5} or {o8}, or 2 other sets`: as many of them as `most`.
+pub fn one_of(sets: &[impl AsRef<[String]>], most: usize) -> String {
+    let shown: Vec<String> = sets.iter().take(most).map(|s| format!("{{{}}}", s.as_ref().join(", "))).collect();
+    let more = sets.len() - shown.len();
+    let more = if more > 0 { format!(", or {more} other sets") } else { String::new() };
+    shown.join(" or ") + &more
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -43,6 +43,11 @@ pub struct PlanFile {
 }
 
 impl PlanFile {
+    /// Seconds of motion.
+    pub fn duration(&self) -> f64 {
+        self.steps.iter().flat_map(|s| &s.segments).filter_map(|s| s.times.last()).sum()
+    }
+
     /// A file for a scene that has no plan; everything but the scene is empty.
     pub fn unsolved(scene: SceneFile) -> Self {
         Self {

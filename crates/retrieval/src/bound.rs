@@ -9,7 +9,7 @@
 //! Only what is near the answer is looked at: other objects are taken to be free to go.
 
 use crate::grasps::{Grasp, declared};
-use crate::order::{self, Fewest, WaysIn};
+use crate::order::{self, Fewest, WaysIn, most_in_way};
 use crate::ways::{self, REACH};
 use clearway_collision::lanes::{LANES, Suspects};
 use clearway_collision::{Moment, Quick, Scratch, Touch, World};
@@ -23,9 +23,6 @@ use clearway_robot::InverseKinematics;
 const STEP: f64 = 0.02;
 /// What is this much nearer than plans allow is too near beyond doubt, metres.
 const DOUBT: f64 = 5e-5;
-
-/// Sets looked at before a search for the fewest removals is given up: seconds.
-const MOST_SETS: usize = 300_000;
 
 /// A bound, the target included, and what proves it.
 pub struct Bound {
@@ -61,14 +58,13 @@ impl Prover<'_> {
         let free = vec![ObjectSet::EMPTY];
         loop {
             let ways: WaysIn = known.iter().map(|k| k.as_ref().map_or(free.clone(), |k| k.ways.clone())).collect();
-            let Fewest::Found(set) = order::fewest(&ways, target, most, MOST_SETS, budget)? else { return Ok(None) };
+            let Fewest::Found(set) = order::fewest(&ways, target, most, order::THOROUGH, budget)? else { return Ok(None) };
             // Objects not looked at yet count as free; an answer without them stands.
             let unknown = |o: &ObjectId| known[o.index()].is_none();
             let Some(object) = Some(target).filter(unknown).or_else(|| set.iter().find(unknown)) else {
                 return Ok(Some(Bound { removed: set.len(), proof: self.proof(known) }));
             };
-            let in_way = most.saturating_sub(if object == target { 1 } else { 2 });
-            known[object.index()] = Some(self.look(object, in_way, &mut scratch, budget)?);
+            known[object.index()] = Some(self.look(object, most_in_way(most, object == target), &mut scratch, budget)?);
         }
     }
 

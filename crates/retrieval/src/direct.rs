@@ -5,13 +5,11 @@
 //! too many sets to find the fewest at once, few will do.
 
 use crate::feasibility::{Feasibility, NoMotion};
-use crate::order::{self, Fewest, WaysIn};
+use crate::order::{self, Fewest, WaysIn, most_in_way};
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 
 /// Sets looked at for the fewest before few will do: milliseconds.
 const MOST_SETS: usize = 1000;
-/// Where no more than so many removals will do: seconds.
-const THOROUGH: usize = 300_000;
 
 /// What a limit's search came to.
 pub enum Directly {
@@ -53,7 +51,7 @@ impl Direct {
             budget.check()?;
             let will_do = |set: &ObjectSet| self.most.is_none_or(|most| set.len() <= most);
             let few = order::few(&self.ways, self.target, budget)?.filter(will_do);
-            let sets = if self.most.is_some() { THOROUGH } else { MOST_SETS };
+            let sets = if self.most.is_some() { order::THOROUGH } else { MOST_SETS };
             let found = match few {
                 Some(set) if set.len() <= *limit || self.many => {
                     *limit = set.len().max(*limit);
@@ -138,10 +136,4 @@ impl Direct {
         ways.extend(blamed.iter().filter(|b| !b.contains(self.target) && !b.is_subset(removed)));
         self.ways[object.index()] = ObjectSet::minimal(ways);
     }
-}
-
-/// How many objects may stand in the way of an object in a sequence of at most `limit`: all but
-/// itself, and the target.
-pub fn most_in_way(limit: usize, is_target: bool) -> usize {
-    limit.saturating_sub(if is_target { 1 } else { 2 })
 }

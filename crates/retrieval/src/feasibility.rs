@@ -15,7 +15,7 @@ use crate::ways::{self, Explorer, Stage, Ways};
 use clearway_collision::{CollisionModel, Contact, Moment, Scratch, Touch, World};
 use clearway_geometry::Vec2;
 use clearway_motion::{Posture, Trees};
-use clearway_plan::plan_file::{LowerBound, PlanFile};
+use clearway_plan::plan_file::{LowerBound, PlanFile, Timing};
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 use clearway_robot::{InverseKinematics, Robot};
 use clearway_scene::Scene;
@@ -58,13 +58,22 @@ pub struct Journey {
     /// The last motion that could not be had.
     pub(crate) obstruction: Option<(ObjectId, &'static str)>,
     /// Spent on motions.
-    pub spent: Duration,
+    spent: Duration,
 }
 
 impl Journey {
     pub fn new(seed: u64) -> Self {
         let random = Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x4d6f_7665);
         Self { random, carried: Vec::new(), obstruction: None, spent: Duration::ZERO }
+    }
+
+    /// Of planning that took so long in all.
+    pub fn timing(&self, total: Duration) -> Timing {
+        Timing {
+            total: total.as_secs_f64(),
+            task: total.saturating_sub(self.spent).as_secs_f64(),
+            motion: self.spent.as_secs_f64(),
+        }
     }
 }
 
@@ -99,15 +108,16 @@ impl Feasibility {
         let robot = world.model.robot.clone();
         let inverse = InverseKinematics::new(&robot, &world.model.kinematics);
         let start = start_posture(&scene, &robot)?;
+        let floor = Floor::new(&scene, &robot);
+        let ways = vec![None; scene.objects.len()];
+        let (scratch, trees) = (Scratch::default(), Trees::default());
+        let new = Self { scene, world, floor, inverse, settings, carrying, start, ways, scratch, trees };
+        new.start_is_free(&new.start)?;
+        let scene = &new.scene;
         if scene.places.is_empty() {
             return Err(Unfit::NoPlace("the scene has no `place` to put things on".to_owned()));
         }
         let target = &scene.objects[scene.target.index()];
-        let floor = Floor::new(&scene, &robot);
-        let ways = vec![None; scene.objects.len()];
-        let (scratch, trees) = (Scratch::default(), Trees::default());
-        let new = Self { scene: scene.clone(), world, floor, inverse, settings, carrying, start, ways, scratch, trees };
-        new.start_is_free(&new.start)?;
         if !place::fits_somewhere(&target.solid, &target.pose, &scene.places) {
             return Err(Unfit::NoPlace(format!("no `place` is large enough for the target `{}`", target.id)));
         }

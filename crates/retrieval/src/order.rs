@@ -46,6 +46,15 @@ fn takable(ways: &WaysIn, set: &ObjectSet) -> ObjectSet {
     }
 }
 
+/// How many objects may stand in the way of an object in a sequence of at most `limit`: all but
+/// itself, and the target.
+pub fn most_in_way(limit: usize, is_target: bool) -> usize {
+    limit.saturating_sub(if is_target { 1 } else { 2 })
+}
+
+/// Sets looked at before a search that matters is given up: seconds.
+pub const THOROUGH: usize = 300_000;
+
 /// What a search for the fewest removals found.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fewest {

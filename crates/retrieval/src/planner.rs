@@ -5,16 +5,17 @@
 //! scene is planned for again without starting from nothing.
 
 use crate::carry;
-use crate::direct::{Direct, Directly, most_in_way};
+use crate::direct::{Direct, Directly};
 use crate::feasibility::{Ending, Feasibility, Journey, NoMotion, Unfit};
 use crate::graph::{RetrievalGraph, Search, Sequence};
+use crate::order::most_in_way;
 use crate::roadmap::{self, Roadmap};
 use crate::trace;
 use crate::ways;
 use clearway_collision::CollisionModel;
 use clearway_motion::Posture;
 use clearway_plan::event::Observer;
-use clearway_plan::plan_file::{PlanFile, Stats, Timing};
+use clearway_plan::plan_file::{PlanFile, Stats};
 use clearway_plan::{Budget, Event, ObjectId, ObjectSet, Stop};
 use clearway_robot::Robot;
 use clearway_scene::Scene;
@@ -24,7 +25,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// The exploration limit of the first round (section VI-B).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum FirstLimit {
     /// 1: fewest removals.
     #[default]
@@ -154,11 +155,7 @@ impl Planner {
         let outcome = self.search_or_stop(&mut run);
         let total = began.elapsed();
         let Run { journey, mut stats, .. } = run;
-        let timing = Timing {
-            total: total.as_secs_f64(),
-            task: total.saturating_sub(journey.spent).as_secs_f64(),
-            motion: journey.spent.as_secs_f64(),
-        };
+        let timing = journey.timing(total);
         stats.roadmap_nodes = self.roadmap.nodes.len();
         stats.retrieval_nodes = self.graph.len();
         stats.samples = self.roadmap.samples;
@@ -267,9 +264,9 @@ impl Planner {
         if !self.settings.as_in_paper {
             let sets = self.arm.minimal_sets(target, most_in_way(limit, true), budget)?;
             self.graph.add_direct(&sets);
-            let mut objects = self.graph.complete();
-            objects.extend(direct.looked_into().filter(|o| *o != target));
-            for object in objects {
+            let mut objects: ObjectSet = self.graph.complete().into_iter().chain(direct.looked_into()).collect();
+            objects.remove(target);
+            for object in objects.iter() {
                 let sets = self.arm.minimal_sets(object, most_in_way(limit, false), budget)?;
                 self.graph.add_ways(object, &sets);
             }

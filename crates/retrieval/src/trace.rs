@@ -9,6 +9,7 @@ use clearway_plan::plan_file::{
     GraphNodeTrace, GraphTrace, JointLimits, MeshFile, ObjectWhy, PlanFile, PlannedHand, PlannedRobot, RoadmapTrace, Stats,
     Status, Timing, Trace, Why,
 };
+use clearway_plan::object_set::one_of;
 use clearway_plan::robot_file::HandKind;
 use clearway_plan::{ObjectId, ObjectSet, Stop, plan_file};
 use clearway_robot::Robot;
@@ -198,22 +199,12 @@ fn why_not(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'
             let reason = match (&why.blocked_by, arm.ways[i].as_ref().map(|w| w.ways.len())) {
                 (_, Some(0)) => "no grasp leads to it, whatever is removed".to_owned(),
                 (by, _) if by.is_empty() => "it can be picked as things stand".to_owned(),
-                (by, _) => format!("one of these has to go first: {}", some_of(by)),
+                (by, _) => format!("one of these has to go first: {}", one_of(by, usize::MAX)),
             };
             ObjectWhy { object: names[i].clone(), reason, ..why }
         })
         .collect();
     Why { summary, objects }
-}
-
-/// A few sets, the smallest first, and how many more there are.
-fn some_of(sets: &[Vec<String>]) -> String {
-    const SHOWN: usize = 4;
-    let mut sorted: Vec<&Vec<String>> = sets.iter().collect();
-    sorted.sort_by_key(|s| s.len());
-    let shown: Vec<String> = sorted.iter().take(SHOWN).map(|s| format!("{{{}}}", s.join(", "))).collect();
-    let more = if sets.len() > SHOWN { format!(", or {} larger sets", sets.len() - SHOWN) } else { String::new() };
-    shown.join(" or ") + &more
 }
 
 /// What stands in the way of an object, over all its ways, and what became of its grasps.

@@ -151,6 +151,12 @@ impl Ways {
         self.ways.len() > before
     }
 
+    /// Those known to be free once `removed` is gone.
+    fn free_now(&self, removed: &ObjectSet) -> impl Iterator<Item = usize> {
+        let free = |w: &Way| w.stage == Stage::Exact && w.blocked_by.is_subset(removed);
+        (0..self.ways.len()).filter(move |&i| free(&self.ways[i]))
+    }
+
     /// Forgets ways along which no motion was found.
     pub(crate) fn drop_failed(&mut self) {
         self.straight = self.ways[..self.straight].iter().filter(|w| w.failures == 0).count();
@@ -363,7 +369,7 @@ impl Explorer<'_> {
             if i == ways.ways.len() {
                 // Those seen now come before the routes; the count of free ones starts anew.
                 (i, free) = (0, 0);
-                let enough = self.free_now(ways, removed).count() >= most.max(3);
+                let enough = ways.free_now(removed).count() >= most.max(3);
                 if enough || !self.see(object, ways, scratch) {
                     break;
                 }
@@ -379,19 +385,13 @@ impl Explorer<'_> {
             free += usize::from(open && way.stage == Stage::Exact && way.clear && way.failures == 0);
             i += 1;
         }
-        let mut free: Vec<usize> = self.free_now(ways, removed).collect();
+        let mut free: Vec<usize> = ways.free_now(removed).collect();
         let home = &self.world.model.robot.home;
         let from_home = |i: usize| ways.ways[i].postures.last().map_or(f64::INFINITY, |q| distance(q, home));
         let key = |i: usize| (!ways.ways[i].clear, ways.ways[i].failures);
         free.sort_by(|&a, &b| key(a).cmp(&key(b)).then(from_home(a).total_cmp(&from_home(b))));
         free.truncate(most);
         Ok(free)
-    }
-
-    /// Ways known to be free once `removed` is gone.
-    fn free_now(&self, ways: &Ways, removed: &ObjectSet) -> impl Iterator<Item = usize> {
-        let free = |w: &Way| w.stage == Stage::Exact && w.blocked_by.is_subset(removed);
-        (0..ways.ways.len()).filter(move |&i| free(&ways.ways[i]))
     }
 
     /// The minimal sets over all ways: each is one way in. Ways that cannot be minimal, or that more

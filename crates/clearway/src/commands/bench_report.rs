@@ -10,16 +10,15 @@ use clearway_experiments::retrieval::{Experiment, report};
 
 pub fn run(args: &BenchReportArgs) -> Result<Exit, Failure> {
     let directory = &args.directory;
-    let all = [Experiment::Known, Experiment::Graphs, Experiment::Peers, Experiment::Large, Experiment::Optimal];
     let mut found = Vec::new();
-    for experiment in all {
+    for experiment in Experiment::ALL {
         let path = directory.join(experiment.name()).with_extension("jsonl");
         if path.exists() {
             found.extend(rows::read::<Row>(&path)?.0);
         }
     }
     if found.is_empty() {
-        let names = all.map(|e| format!("{}.jsonl", e.name())).join(", ");
+        let names = Experiment::ALL.map(|e| format!("{}.jsonl", e.name())).join(", ");
         return Err(FileError::new(directory, format!("holds no rows: none of {names}"))
             .help("make some: `clearway bench known --quick --out DIR`")
             .into());

@@ -35,10 +35,10 @@ pub fn run(experiment: Experiment, args: &BenchRetrievalArgs) -> Result<Exit, Fa
     let cases: Vec<Case> = all.iter().filter(open).copied().collect();
     let mut progress = Progress::new(args.out.is_some());
     let (began, mut count) = (Instant::now(), 0);
-    let mut unsound = 0;
+    let mut refused = 0;
     let outcome = runner::run_all(&bench, &cases, args.jobs as usize, |row| {
         rows.push(&row)?;
-        unsound += usize::from(row.status == "refused");
+        refused += usize::from(row.status == "refused");
         count += 1;
         let left = began.elapsed().as_secs_f64() / count as f64 * (cases.len() - count) as f64;
         progress.line(&format!(
@@ -56,8 +56,8 @@ pub fn run(experiment: Experiment, args: &BenchRetrievalArgs) -> Result<Exit, Fa
     outcome?;
     let directory = args.out.as_ref().map(|d| format!("; `clearway bench report {}` makes the tables", d.display()));
     tell(&format!("{}: {} runs, {} of them now{}", experiment.name(), all.len(), count, directory.unwrap_or_default()));
-    if unsound > 0 {
-        return Err(Failure::internal(format!("the verifier refused {unsound} of the plans; their rows say `refused`")));
+    if refused > 0 {
+        return Err(Failure::internal(format!("the verifier refused {refused} of the plans; their rows say `refused`")));
     }
     Ok(Exit::Done)
 }

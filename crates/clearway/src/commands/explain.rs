@@ -4,6 +4,7 @@ use super::output::print;
 use crate::cli::ExplainArgs;
 use crate::exit::{Exit, Failure};
 use clearway::PlanFile;
+use clearway_plan::object_set::one_of;
 use clearway_plan::plan_file::{LowerBound, ObjectWhy, Status};
 use clearway_plan::proof::{Branch, GraspsProof, ObjectCase};
 
@@ -77,12 +78,7 @@ fn blocked(case: &ObjectCase) -> String {
     let by = match least.first() {
         None => "nothing helps".to_owned(),
         Some(first) if first.is_empty() => "some are free as things stand".to_owned(),
-        Some(_) => {
-            let shown: Vec<String> = least.iter().take(SHOWN).map(|s| format!("{{{}}}", s.join(", "))).collect();
-            let more = least.len().saturating_sub(SHOWN);
-            let more = if more > 0 { format!(", or {more} other sets") } else { String::new() };
-            format!("before it has to go {}{more}", shown.join(" or "))
-        }
+        Some(_) => format!("before it has to go {}", one_of(&least, SHOWN)),
     };
     format!(
         "  {}: {holding} of {} grasps hold, in {} postures, {open} of them not ruled out for good; {by}\n",
@@ -99,12 +95,12 @@ pub fn objects(plan: &PlanFile) -> String {
 
 /// The same of the target and a few others.
 pub fn some_objects(plan: &PlanFile) -> String {
-    const SHOWN: usize = 6;
+    const OTHERS: usize = 6;
     let (target, others): (Vec<&ObjectWhy>, Vec<&ObjectWhy>) =
         plan.why.objects.iter().partition(|why| why.object == plan.scene.target);
-    let mut out: String = target.into_iter().chain(others.iter().take(SHOWN).copied()).map(object).collect();
-    if others.len() > SHOWN {
-        out += &format!("… and {} more; with a plan file (-o) `clearway explain` tells all\n", others.len() - SHOWN);
+    let mut out: String = target.into_iter().chain(others.iter().take(OTHERS).copied()).map(object).collect();
+    if others.len() > OTHERS {
+        out += &format!("… and {} more; with a plan file (-o) `clearway explain` tells all\n", others.len() - OTHERS);
     }
     out
 }
@@ -117,8 +113,7 @@ fn object(why: &ObjectWhy) -> String {
 fn details(why: &ObjectWhy) -> String {
     let mut out = String::new();
     if !why.blocked_by.is_empty() && why.order > 0 {
-        let sets: Vec<String> = why.blocked_by.iter().map(|s| format!("{{{}}}", s.join(", "))).collect();
-        out += &format!("     had to wait for one of: {}\n", sets.join(" or "));
+        out += &format!("     had to wait for one of: {}\n", one_of(&why.blocked_by, usize::MAX));
     }
     for grasp in &why.grasps {
         out += &format!("     {:>5} × {}\n", grasp.count, grasp.outcome);

@@ -30,9 +30,9 @@ impl Rows {
         make(directory)?;
         let summary = directory.join("summary.json");
         if summary.exists() {
-            return Err(taken(&summary, "name another directory, or delete the file").into());
+            return Err(taken(&summary, ANEW).into());
         }
-        let file = create(&directory.join(name).with_extension("jsonl"), "name another directory, or delete the file")?;
+        let file = create(&directory.join(name).with_extension("jsonl"), ANEW)?;
         Ok(Rows { file: Some(file), summary: Some(summary) })
     }
 
@@ -41,10 +41,10 @@ impl Rows {
         make(directory)?;
         let path = directory.join(name).with_extension("jsonl");
         if path.exists() {
-            return Err(taken(&path, "go on with --resume, name another directory, or delete the file").into());
+            return Err(taken(&path, GO_ON).into());
         }
         output::write(&settings_of(&path), line(settings)?.as_bytes())?;
-        let file = create(&path, "go on with --resume, name another directory, or delete the file")?;
+        let file = create(&path, GO_ON)?;
         Self::alone(file)
     }
 
@@ -110,6 +110,7 @@ impl Rows {
 }
 
 const ANEW: &str = "name another directory, or delete the file";
+const GO_ON: &str = "go on with --resume, name another directory, or delete the file";
 
 /// A file's rows, and how many bytes of it they are: a last line without an end was cut short and is none.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<T>, u64), Failure> {

@@ -67,7 +67,7 @@ pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> Stri
             plan.timing.total * 1e3,
             plan.timing.task * 1e3,
             plan.timing.motion * 1e3,
-            clearway::duration(plan)
+            plan.duration()
         );
         out += "  verified: no violations\n";
     } else {
@@ -97,7 +97,7 @@ pub fn json(plan: &PlanFile, report: Option<&Report>, output: Option<&Path>, htm
         "removed": plan.removed,
         "lower_bound": plan.lower_bound.as_ref().map(|b| json!({"removed": b.removed, "kind": b.kind})),
         "steps": plan.steps.len(),
-        "duration": clearway::duration(plan),
+        "duration": plan.duration(),
         "timing": plan.timing,
         "stats": plan.stats,
         "verified": report.is_some_and(Report::is_valid),

@@ -7,23 +7,23 @@ pub mod step_by_step;
 pub mod traversability;
 
 use clearway_plan::PlanFile;
-use clearway_plan::plan_file::{Stats, Timing};
+use clearway_plan::plan_file::Stats;
 use clearway_plan::{Budget, ObjectId, Stop};
 use clearway_retrieval::feasibility::{Ending, Journey};
 use clearway_retrieval::{Feasibility, Request};
 use std::time::Instant;
 
-/// A task planner: objects that were carried, the target last; `None` when it knows no further. The count
+/// One of them: objects that were carried, the target last; `None` when it knows no further. The count
 /// is of the sequences that it tried.
-pub type TaskPlanner = dyn Fn(&mut Feasibility, &mut Journey, &Budget, &mut usize) -> Result<Option<Vec<ObjectId>>, Stop>;
+pub type Peer = dyn Fn(&mut Feasibility, &mut Journey, &Budget, &mut usize) -> Result<Option<Vec<ObjectId>>, Stop>;
 
 /// Plans with a peer, and writes down what it came to.
-pub fn plan(arm: &mut Feasibility, planner: &TaskPlanner, request: &Request) -> PlanFile {
+pub fn plan(arm: &mut Feasibility, peer: &Peer, request: &Request) -> PlanFile {
     let began = Instant::now();
     let mut journey = Journey::new(request.seed);
     let mut sequences = 0;
-    let outcome = planner(arm, &mut journey, &request.budget, &mut sequences);
-    let (total, spent) = (began.elapsed(), journey.spent);
+    let outcome = peer(arm, &mut journey, &request.budget, &mut sequences);
+    let timing = journey.timing(began.elapsed());
     let ending = match outcome {
         Ok(Some(order)) => Ending::Solved(order),
         Ok(None) => Ending::Stopped(None),
@@ -31,11 +31,7 @@ pub fn plan(arm: &mut Feasibility, planner: &TaskPlanner, request: &Request) -> 
     };
     let mut plan = arm.plan_file(&ending, journey, &request.budget);
     plan.seed = request.seed;
-    plan.timing = Timing {
-        total: total.as_secs_f64(),
-        task: total.saturating_sub(spent).as_secs_f64(),
-        motion: spent.as_secs_f64(),
-    };
+    plan.timing = timing;
     plan.stats = Stats { sequences_tried: sequences, ..plan.stats };
     plan
 }

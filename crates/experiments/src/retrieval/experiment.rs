@@ -1,10 +1,9 @@
 //! Which runs an experiment consists of.
 
-use serde::{Deserialize, Serialize};
+use clearway_retrieval::FirstLimit;
 
 /// The paper's experiments on known scenes (section VI).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Experiment {
     /// Table I and Fig. 12.
     Known,
@@ -19,8 +18,7 @@ pub enum Experiment {
 }
 
 /// Who plans.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TaskPlanner {
     Clearway,
     /// Clearway with the paper's settings.
@@ -30,17 +28,6 @@ pub enum TaskPlanner {
     BruteForce,
     /// The fewest removals over the frozen set of ways; no motions.
     Exact,
-}
-
-/// The exploration limit of the first round.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum FirstLimit {
-    #[serde(rename = "1")]
-    One,
-    #[serde(rename = "grasp")]
-    Grasp,
-    #[serde(rename = "all")]
-    All,
 }
 
 /// A scene to be drawn.
@@ -62,7 +49,22 @@ pub struct Case {
     pub seed: u64,
 }
 
+impl TaskPlanner {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clearway => "clearway",
+            Self::Paper => "paper",
+            Self::Traversability => "traversability",
+            Self::ShortestPath => "shortest_path",
+            Self::BruteForce => "brute_force",
+            Self::Exact => "exact",
+        }
+    }
+}
+
 impl Experiment {
+    pub const ALL: [Self; 5] = [Self::Known, Self::Graphs, Self::Peers, Self::Large, Self::Optimal];
+
     pub fn name(self) -> &'static str {
         match self {
             Self::Known => "known",
@@ -87,7 +89,7 @@ impl Experiment {
         use TaskPlanner::{BruteForce, Clearway, Exact, Paper, ShortestPath, Traversability};
         let sizes = [12, 16, 20];
         let (scenes, runs) = if quick { (2, 2) } else { (20, 20) };
-        let all_limits = [FirstLimit::One, FirstLimit::Grasp, FirstLimit::All];
+        let all_limits = [FirstLimit::One, FirstLimit::GraspCover, FirstLimit::All];
         let shelf = |objects, seed| Draw { large: false, objects, least_removals: 2, seed };
         match self {
             Self::Known => {
@@ -156,8 +158,7 @@ mod tests {
 
     #[test]
     fn as_many_runs_as_the_paper_and_none_twice() {
-        let all = [Experiment::Known, Experiment::Graphs, Experiment::Peers, Experiment::Large, Experiment::Optimal];
-        for experiment in all {
+        for experiment in Experiment::ALL {
             for quick in [false, true] {
                 let cases = experiment.cases(quick);
                 assert_eq!(cases.iter().collect::<HashSet<_>>().len(), cases.len(), "{experiment:?}");

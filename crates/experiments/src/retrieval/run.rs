@@ -2,19 +2,18 @@
 
 use crate::Machine;
 use crate::peers::{self, brute_force::brute_force, shortest_path::shortest_path, step_by_step::traversability};
-use crate::retrieval::experiment::{Case, Draw, Experiment, FirstLimit, TaskPlanner};
+use crate::retrieval::experiment::{Case, Draw, Experiment, TaskPlanner};
 use crate::retrieval::row::{Growth, Row, Timing};
 use clearway_collision::CollisionModel;
 use clearway_plan::event::{Event, Observer};
 use clearway_plan::plan_file::{self, LowerBound, Status};
 use clearway_plan::{Budget, PlanFile, Stop};
 use clearway_retrieval::order::{self, Fewest};
-use clearway_retrieval::{self as retrieval, Feasibility, Planner, Request, Settings};
+use clearway_retrieval::{Feasibility, FirstLimit, Planner, Request, Settings};
 use clearway_robot::Robot;
 use clearway_scenarios::{self as scenarios, Wanted};
 use clearway_scene::Scene;
 use clearway_verify::verify;
-use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 use std::path::Path;
@@ -48,9 +47,6 @@ pub enum NoRow {
     /// An error of ours.
     Internal(String),
 }
-
-/// Sets that the exact search looks at before it gives up: seconds.
-const MOST_SETS: usize = 300_000;
 
 impl Bench {
     pub fn new(experiment: Experiment, time_limit: f64, budget: Budget) -> Self {
@@ -101,7 +97,7 @@ impl Bench {
             TaskPlanner::Traversability | TaskPlanner::ShortestPath | TaskPlanner::BruteForce => {
                 let Settings { ways, carry, .. } = Settings::default();
                 let mut arm = Feasibility::new(scene, model, ways, carry).map_err(unfit)?;
-                let peer: &peers::TaskPlanner = match case.planner {
+                let peer: &peers::Peer = match case.planner {
                     TaskPlanner::Traversability => &traversability,
                     TaskPlanner::ShortestPath => &shortest_path,
                     _ => &brute_force,
@@ -135,8 +131,7 @@ impl Bench {
         if let Some(LowerBound { removed, kind, .. }) = &plan.lower_bound {
             (row.bound, row.bound_kind) = (*removed, kind.clone());
         }
-        let segments = plan.steps.iter().flat_map(|s| &s.segments);
-        row.motion = segments.filter_map(|s| s.times.last()).sum();
+        row.motion = plan.duration();
         row.removed = plan.removed.len();
         row.order = plan.removed;
         row.iterations = plan.stats.iterations as u64;
@@ -159,7 +154,7 @@ impl Bench {
         arm.drop_failed();
         let target = arm.scene().target;
         let began = Instant::now();
-        let found = arm.frozen(&budget).and_then(|ways| order::fewest(&ways, target, usize::MAX, MOST_SETS, &budget));
+        let found = arm.frozen(&budget).and_then(|ways| order::fewest(&ways, target, usize::MAX, order::THOROUGH, &budget));
         row.timing.task = began.elapsed().as_secs_f64();
         row.timing.total = row.timing.task;
         self.check_not_stopped()?;
@@ -183,9 +178,9 @@ impl Bench {
     pub fn named(&self, case: &Case) -> Row {
         Row {
             experiment: self.experiment.name().to_owned(),
-            planner: word(&case.planner),
+            planner: case.planner.name().to_owned(),
             objects: case.draw.objects,
-            first_limit: word(&case.first_limit),
+            first_limit: named(case.first_limit),
             least_removals: case.draw.least_removals,
             scene_seed: case.draw.seed,
             seed: case.seed,
@@ -197,18 +192,18 @@ impl Bench {
 }
 
 /// As it stands in rows.
-fn word(value: &impl serde::Serialize) -> String {
-    serde_json::to_value(value).ok().as_ref().and_then(Value::as_str).unwrap_or_default().to_owned()
+fn named(limit: FirstLimit) -> String {
+    match limit {
+        FirstLimit::One => "1",
+        FirstLimit::GraspCover => "grasp",
+        FirstLimit::All => "all",
+    }
+    .to_owned()
 }
 
 fn settings(case: &Case) -> Settings {
     let settings = if case.planner == TaskPlanner::Paper { Settings::paper() } else { Settings::default() };
-    let first_limit = match case.first_limit {
-        FirstLimit::One => retrieval::FirstLimit::One,
-        FirstLimit::Grasp => retrieval::FirstLimit::GraspCover,
-        FirstLimit::All => retrieval::FirstLimit::All,
-    };
-    Settings { first_limit, ..settings }
+    Settings { first_limit: case.first_limit, ..settings }
 }
 
 fn draw_scene(draw: &Draw) -> Result<Drawn, String> {
