@@ -3,11 +3,12 @@
 //! Whoever takes an object comes to one of its declared grasps straight over the standoff, with the
 //! hand open and the arm in some branch of its inverse kinematics, and leaves with it the same way,
 //! raised a little. What comes too near on that stretch has to be gone before. That holds for the target and
-//! for each object in its way; the fewest removals that agree with it ([`crate::order`]) are a lower
-//! bound. It needs an inverse kinematics that finds every branch, and links without meshes.
+//! for each object in its way; the fewest removals that agree with it ([`crate::order`]) and open
+//! every barrier ([`crate::barriers`]) are a lower bound. It needs an inverse kinematics that finds every branch, and links without meshes.
 //!
 //! Only what is near the answer is looked at: other objects are taken to be free to go.
 
+use crate::barriers::Barriers;
 use crate::grasps::{Grasp, declared};
 use crate::order::{self, Fewest, WaysIn, most_in_way};
 use crate::ways::{self, REACH};
@@ -36,6 +37,7 @@ pub struct Prover<'a> {
     pub inverse: &'a InverseKinematics,
     pub settings: &'a ways::Settings,
     pub names: &'a [String],
+    pub barriers: &'a Barriers,
 }
 
 /// What is known of one object: the sets, and all that they come from.
@@ -58,7 +60,7 @@ impl Prover<'_> {
         let free = vec![ObjectSet::EMPTY];
         loop {
             let ways: WaysIn = known.iter().map(|k| k.as_ref().map_or(free.clone(), |k| k.ways.clone())).collect();
-            let Fewest::Found(set) = order::fewest(&ways, target, most, order::THOROUGH, budget)? else { return Ok(None) };
+            let Fewest::Found(set) = order::fewest(&ways, &self.barriers.sets, target, most, order::THOROUGH, budget)? else { return Ok(None) };
             // Objects not looked at yet count as free; an answer without them stands.
             let unknown = |o: &ObjectId| known[o.index()].is_none();
             let Some(object) = Some(target).filter(unknown).or_else(|| set.iter().find(unknown)) else {
@@ -77,6 +79,7 @@ impl Prover<'_> {
             clearance: self.settings.margin,
             held_clearance: self.settings.held_margin,
             objects: known.into_iter().zip(self.names).filter_map(case).collect(),
+            barriers: (!self.barriers.sets.is_empty()).then(|| self.barriers.proof.clone()),
         }
     }
 

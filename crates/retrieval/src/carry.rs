@@ -73,7 +73,7 @@ impl Default for Settings {
             row: 0.016,
             lower_from: 0.06,
             spots: 4,
-            lean: 0.3,
+            lean: 0.13,
             level_iterations: 250,
             guides: 60,
             grip_time: 0.3,

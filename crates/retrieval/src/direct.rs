@@ -57,7 +57,7 @@ impl Direct {
                     *limit = set.len().max(*limit);
                     set
                 }
-                _ => match order::fewest(&self.ways, self.target, *limit, sets, budget)? {
+                _ => match order::fewest(&self.ways, &[], self.target, *limit, sets, budget)? {
                     Fewest::Found(set) => set,
                     Fewest::None { at_least } => {
                         let more = (0..self.looked.len()).filter_map(|i| {

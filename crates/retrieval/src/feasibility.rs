@@ -4,6 +4,7 @@
 //! Task planners differ in which objects they ask about, and in what order; they share these answers.
 //! What was found out about an object's ways is kept: removal is monotone.
 
+use crate::barriers::Barriers;
 use crate::bound::Prover;
 use crate::carry::{self, Carried, Carrier, Situation};
 use crate::floor::Floor;
@@ -360,12 +361,16 @@ impl Feasibility {
     /// A lower bound on the removals of every plan over the declared grasps; `removed`: those of a plan.
     pub(crate) fn lower_bound(&self, removed: usize, budget: &Budget) -> LowerBound {
         let Self { world, inverse, settings, scene, .. } = self;
-        let prover = Prover { world, inverse, settings, names: &scene.names };
-        // Out of time there is still the target.
-        match prover.bound(scene.target, removed, budget).ok().flatten().filter(|bound| bound.removed > 1) {
-            Some(bound) => LowerBound { removed: bound.removed, kind: "grasps".to_owned(), proof: json!(bound.proof) },
-            None => LowerBound { removed: 1, kind: "geometric".to_owned(), proof: json!({ "barriers": [] }) },
+        // Out of time there is still the target. A plan below the barriers' bound leans farther than they allow for.
+        let barriers = Barriers::find(scene, budget).ok().filter(|b| b.bound() <= removed).unwrap_or_default();
+        let geometric = barriers.bound();
+        if geometric < removed {
+            let prover = Prover { world, inverse, settings, names: &scene.names, barriers: &barriers };
+            if let Some(bound) = prover.bound(scene.target, removed, budget).ok().flatten().filter(|b| b.removed > geometric) {
+                return LowerBound { removed: bound.removed, kind: "grasps".to_owned(), proof: json!(bound.proof) };
+            }
         }
+        LowerBound { removed: geometric, kind: "geometric".to_owned(), proof: json!(barriers.proof) }
     }
 
     /// What a task planner came to, written down; timing and statistics are the caller's.

@@ -11,9 +11,10 @@
 //! | [`planner`] | Algorithm 1 |
 //!
 //! Beyond the paper: `direct`, sequences along the arm's own ways; [`order`], the fewest removals when all ways
-//! are known; [`bound`], a lower bound and its
-//! proof.
+//! are known; [`barriers`] and [`bound`], lower bounds and their
+//! proofs.
 
+pub mod barriers;
 pub mod bound;
 pub mod carry;
 mod direct;

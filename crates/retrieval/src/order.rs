@@ -8,6 +8,8 @@
 //! above it the first of these to be taken has a way that is not all in the set, so the search adds
 //! each way of each of them; whatever the answer is, one of these steps leads to it. No member needs
 //! fewer objects more than its smallest way lacks, which makes a bound for A\*.
+//!
+//! There may be barriers besides: sets of which every answer has a member.
 
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 use std::cmp::Reverse;
@@ -66,12 +68,39 @@ pub enum Fewest {
     TooMany,
 }
 
+/// A set of which an answer has at least one member. The weights of all that hold an object add up to at
+/// most 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Barrier {
+    pub objects: ObjectSet,
+    pub weight: f64,
+}
+
+/// At least so many objects hit all barriers that `set` does not.
+fn to_hit(barriers: &[Barrier], set: &ObjectSet) -> usize {
+    let unhit = barriers.iter().filter(|b| !b.objects.intersects(set));
+    least(unhit.map(|b| b.weight).sum())
+}
+
+/// So many objects, given the weight of a packing: rounded up, up to what numbers are uncertain by.
+pub(crate) fn least(weight: f64) -> usize {
+    (weight - 1e-4).ceil().max(0.0) as usize
+}
+
 /// The fewest removals, at most `most` with the target; `sets`: how many may be looked at.
-pub fn fewest(ways: &WaysIn, target: ObjectId, most: usize, sets: usize, budget: &Budget) -> Result<Fewest, Stop> {
+pub fn fewest(
+    ways: &WaysIn,
+    barriers: &[Barrier],
+    target: ObjectId,
+    most: usize,
+    sets: usize,
+    budget: &Budget,
+) -> Result<Fewest, Stop> {
     let lacking = |object: ObjectId, set: &ObjectSet| ways[object.index()].iter().map(|w| w.difference(*set).len()).min();
     // The size of any answer above a set is at least this; `None` when there is none.
     let bound = |set: &ObjectSet| -> Option<usize> {
-        set.iter().try_fold(0, |most, o| lacking(o, set).map(|l| most.max(l))).map(|l| l + set.len())
+        let ways = set.iter().try_fold(0, |most, o| lacking(o, set).map(|l| most.max(l)));
+        ways.map(|l| l.max(to_hit(barriers, set)) + set.len())
     };
     let mut queue = BinaryHeap::new();
     let mut seen = HashSet::new();
@@ -94,11 +123,18 @@ pub fn fewest(ways: &WaysIn, target: ObjectId, most: usize, sets: usize, budget:
             return Ok(Fewest::TooMany);
         }
         let taken = takable(ways, &set);
-        if taken.contains(target) {
+        let standing = barriers.iter().find(|b| !b.objects.intersects(&taken));
+        if taken.contains(target) && standing.is_none() {
             // An answer without some of them would have come first, so all of them go.
             return Ok(Fewest::Found(taken));
         }
-        for stuck in set.difference(taken).iter() {
+        let stuck = set.difference(taken);
+        if let (true, Some(barrier)) = (stuck.is_empty(), standing) {
+            for object in barrier.objects.iter() {
+                push(&mut queue, set.with(object));
+            }
+        }
+        for stuck in stuck.iter() {
             for way in ways[stuck.index()].iter().filter(|w| !w.is_subset(&set)) {
                 push(&mut queue, way.union(set));
             }
@@ -157,7 +193,7 @@ mod tests {
     }
 
     fn search(ways: &WaysIn, most: usize) -> Fewest {
-        fewest(ways, ObjectId(0), most, 100_000, &Budget::unlimited()).expect("no limit")
+        fewest(ways, &[], ObjectId(0), most, 100_000, &Budget::unlimited()).expect("no limit")
     }
 
     /// Each object has up to three ways, few of them empty: there are many circles.

@@ -3,7 +3,7 @@
 use crate::case::Case;
 use crate::error::CannotJudge;
 use crate::report::{Report, ViolationKind};
-use crate::{carry, claims, collisions, grasps, gripper, jerk, limits, names, rows, steps, unchecked};
+use crate::{carry, collisions, gripper, jerk, limits, lower_bound, names, region, rows, steps, unchecked};
 use clearway_plan::plan_file::{FORMAT, Status};
 use clearway_plan::{Budget, PlanFile};
 use std::path::Path;
@@ -32,12 +32,12 @@ pub(crate) fn judge(plan: &PlanFile, plan_directory: &Path, budget: &Budget, wit
         return Ok(report);
     }
     let case = Case::new(plan, plan_directory)?;
-    claims::check_lower_bound(plan, &mut report);
+    lower_bound::check_claim(plan, &mut report);
     let names = names::resolve(plan, &case.model, &mut report);
     let objects = steps::check(plan, &case, &mut report);
     let Some(names) = names else { return Ok(report) };
     if with_proof {
-        grasps::check(plan, &case, &names, budget, &mut report)?;
+        lower_bound::check_proof(plan, &case, &names, budget, &mut report)?;
     }
     let Some(tracks) = rows::tracks(plan, &case.model, &names, &mut report) else { return Ok(report) };
     report.checked.steps = plan.steps.len();
@@ -48,7 +48,7 @@ pub(crate) fn judge(plan: &PlanFile, plan_directory: &Path, budget: &Budget, wit
     gripper::check(&case.model, &names, &tracks, &mut report);
     limits::check(plan, &case.model, &names, &tracks, &mut report);
     jerk::check(plan, &case.model, &names, &tracks, &mut report);
-    claims::check_region(plan, &case, &names, &tracks, &mut report);
+    region::check(plan, &case, &names, &tracks, &mut report);
     unchecked::check(plan, &case, &names, budget, &mut report)?;
     let Some(objects) = objects else { return Ok(report) };
     let stages = carry::stages(plan, &case, &names, &tracks, &objects, budget, &mut report)?;

@@ -18,9 +18,9 @@
 //! Those are listed in [`Report::not_checked`] where a plan has them.
 
 mod accept;
+mod barriers;
 mod carry;
 mod case;
-mod claims;
 mod collisions;
 mod error;
 mod gap;
@@ -29,11 +29,13 @@ mod gripper;
 mod jerk;
 mod judge;
 mod limits;
+mod lower_bound;
 mod meshes;
 mod model;
 mod names;
 mod placement;
 mod read;
+mod region;
 mod report;
 mod rest;
 mod rows;

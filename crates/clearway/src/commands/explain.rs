@@ -6,7 +6,8 @@ use crate::exit::{Exit, Failure};
 use clearway::PlanFile;
 use clearway_plan::object_set::one_of;
 use clearway_plan::plan_file::{LowerBound, ObjectWhy, Status};
-use clearway_plan::proof::{Branch, GraspsProof, ObjectCase};
+use clearway_plan::proof::{BarriersProof, Branch, Enclosure, GraspsProof, ObjectCase};
+use std::collections::BTreeSet;
 
 /// Sets of objects named for each object of a proof.
 const SHOWN: usize = 6;
@@ -51,15 +52,37 @@ fn text(plan: &PlanFile) -> String {
 
 /// What proves the bound, in words.
 fn proof(bound: &LowerBound) -> String {
-    match serde_json::from_value::<GraspsProof>(bound.proof.clone()) {
-        Ok(proof) if bound.kind == "grasps" => {
+    let grasps = serde_json::from_value::<GraspsProof>(bound.proof.clone()).ok().filter(|_| bound.kind == "grasps");
+    let geometric = serde_json::from_value::<BarriersProof>(bound.proof.clone()).ok().filter(|_| bound.kind == "geometric");
+    match (grasps, geometric) {
+        (Some(proof), _) => {
             let stretch = format!("the straight {} m before them", proof.standoff);
             let objects: Vec<String> = proof.objects.iter().map(blocked).collect();
-            format!("what blocks the declared grasps, or {stretch},\n{}", objects.concat())
+            let besides = proof.barriers.as_ref().map_or(String::new(), |b| format!("and besides {}", barriers(b)));
+            format!("what blocks the declared grasps, or {stretch},\n{}{besides}", objects.concat())
         }
+        (_, Some(proof)) if !proof.barriers.is_empty() => barriers(&proof),
         _ if bound.removed == 1 => "the target has to go.\n".to_owned(),
         _ => format!("kind {:?}.\n", bound.kind),
     }
+}
+
+/// What shuts the target in, a line for each barrier.
+fn barriers(proof: &BarriersProof) -> String {
+    let mut out = "what shuts the target in, whatever the hand and the arm".to_owned();
+    if let Some(Enclosure { lean, floor, ceiling, .. }) = &proof.enclosure {
+        let degrees = lean.to_degrees();
+        out += &format!(", as it is not lifted over it\n  between {} and {}, carried upright up to {degrees:.0}°", floor.fixture, ceiling.fixture);
+    }
+    out.push('\n');
+    let whole = proof.barriers.iter().all(|b| b.weight > 1.0 - 1e-6);
+    for barrier in &proof.barriers {
+        let fixtures: BTreeSet<&str> = barrier.chain.iter().map(|l| l.body.as_str()).filter(|b| !barrier.objects.iter().any(|o| o == b)).collect();
+        let among = if fixtures.is_empty() { String::new() } else { format!(", in a ring with {}", Vec::from_iter(fixtures).join(", ")) };
+        let weight = if whole { String::new() } else { format!(" (weight {:.2})", barrier.weight) };
+        out += &format!("  one of {} has to go{among}{weight}\n", barrier.objects.join(", "));
+    }
+    out
 }
 
 /// One object's grasps in a line or two.

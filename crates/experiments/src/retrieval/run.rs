@@ -154,7 +154,7 @@ impl Bench {
         arm.drop_failed();
         let target = arm.scene().target;
         let began = Instant::now();
-        let found = arm.frozen(&budget).and_then(|ways| order::fewest(&ways, target, usize::MAX, order::THOROUGH, &budget));
+        let found = arm.frozen(&budget).and_then(|ways| order::fewest(&ways, &[], target, usize::MAX, order::THOROUGH, &budget));
         row.timing.task = began.elapsed().as_secs_f64();
         row.timing.total = row.timing.task;
         self.check_not_stopped()?;

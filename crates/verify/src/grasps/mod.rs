@@ -2,23 +2,26 @@
 //!
 //! The declared grasps are made anew from the robot file's keys, the branches of the inverse kinematics
 //! from the model, the straight stretch is walked again, every object named as blocking is measured
-//! with exact shapes, and the fewest removals are searched for forwards. What the proof says need not
+//! with exact shapes, and the fewest removals are searched for. What the proof says need not
 //! be all that blocks; less makes the bound smaller.
 
 mod branches;
 mod declared;
+mod fewest;
 
 use crate::case::Case;
+use crate::barriers;
 use crate::error::CannotJudge;
+use crate::lower_bound::Verdict;
 use crate::names::Names;
-use crate::report::{Report, ViolationKind};
 use crate::shapes::{Piece, body_gap};
 use branches::{Arm, turn_between};
+use fewest::fewest;
 use clearway_plan::plan_file::LowerBound;
 use clearway_plan::proof::{Branch, GraspCase, GraspsProof, ObjectCase};
 use clearway_plan::{Budget, PlanFile};
 use parry3d_f64::math::{Pose, Vector};
-use std::collections::{BTreeSet, HashSet};
+use std::collections::BTreeSet;
 
 /// Between the postures looked at on the stretch, metres; no joint turns farther from one to the next.
 const STEP: f64 = 0.02;
@@ -34,36 +37,19 @@ const LOOSE: f64 = 5e-4;
 const MOST_CLEARANCE: f64 = 1e-3;
 const MOST_LIFT: f64 = 0.02;
 const SELF_CLEARANCE: f64 = 2e-3;
-/// Sets looked at before the search is given up.
-const MOST_SETS: usize = 400_000;
 
-/// Checks the proof, if its kind is this.
-pub(crate) fn check(
+/// Whether the proof, whose kind is this, holds.
+pub(crate) fn verdict(
     plan: &PlanFile,
     case: &Case,
     names: &Names,
+    bound: &LowerBound,
     budget: &Budget,
-    report: &mut Report,
-) -> Result<(), CannotJudge> {
-    let Some(bound) = plan.lower_bound.as_ref().filter(|b| b.kind == "grasps") else { return Ok(()) };
-    let verdict = match Judge::new(plan, case, names, bound) {
-        Ok(judge) => judge.verdict(bound.removed, budget)?,
-        Err(verdict) => verdict,
-    };
-    match verdict {
-        Verdict::Proved => {}
-        Verdict::Unknown(why) => report.not_checked.push(why),
-        Verdict::False(why) => report.plan(ViolationKind::LowerBound, why),
+) -> Result<Verdict, CannotJudge> {
+    match Judge::new(plan, case, names, bound) {
+        Ok(judge) => judge.verdict(bound.removed, budget),
+        Err(verdict) => Ok(verdict),
     }
-    Ok(())
-}
-
-enum Verdict {
-    Proved,
-    /// Why it could not be judged.
-    Unknown(String),
-    /// What is wrong with it.
-    False(String),
 }
 
 struct Judge<'a> {
@@ -133,7 +119,11 @@ impl Judge<'_> {
         let Some(target) = self.case.object(&self.plan.scene.target) else {
             return Ok(Verdict::Unknown("the lower bound: the target is no object".to_owned()));
         };
-        Ok(match fewest(&ways, target, removed, budget)? {
+        let barriers = match self.proof.barriers.as_ref().map(|b| barriers::sets(self.case, target, b)).transpose() {
+            Ok(sets) => sets.unwrap_or_default(),
+            Err(why) => return Ok(Verdict::False(format!("the lower bound's proof: {why}"))),
+        };
+        Ok(match fewest(&ways, &barriers, target, removed, budget)? {
             Some(count) if count < removed => Verdict::False(format!(
                 "lower_bound.removed is {removed}, but its proof leaves open that {count} are enough"
             )),
@@ -328,74 +318,5 @@ impl Stretch<'_, '_> {
         }
         self.last = next;
         Some(true)
-    }
-}
-
-/// The fewest removals that the sets leave open, or `claimed` if that is fewer: forwards, all sets of so
-/// many objects that can be removed. Objects without sets may go at any time. `None`: too many.
-fn fewest(
-    ways: &[Option<Vec<BTreeSet<usize>>>],
-    target: usize,
-    claimed: usize,
-    budget: &Budget,
-) -> Result<Option<usize>, CannotJudge> {
-    let open = |object: usize, gone: &BTreeSet<usize>| {
-        ways[object].as_ref().is_none_or(|sets| sets.iter().any(|s| s.is_subset(gone)))
-    };
-    // Nothing but what some small enough set names helps.
-    let named = ways.iter().flatten().flatten().filter(|s| s.len() + 2 <= claimed).flatten();
-    let relevant: BTreeSet<usize> = named.copied().filter(|o| *o != target).collect();
-    let mut level: HashSet<BTreeSet<usize>> = HashSet::from([BTreeSet::new()]);
-    let mut looked = 0;
-    for removed in 0..claimed.saturating_sub(1) {
-        let mut next = HashSet::new();
-        for gone in &level {
-            budget.check()?;
-            looked += 1;
-            if looked > MOST_SETS {
-                return Ok(None);
-            }
-            if open(target, gone) {
-                return Ok(Some(removed + 1));
-            }
-            for &object in relevant.difference(gone) {
-                if open(object, gone) {
-                    let mut more = gone.clone();
-                    more.insert(object);
-                    next.insert(more);
-                }
-            }
-        }
-        level = next;
-    }
-    Ok(Some(claimed))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn sets(all: &[&[usize]]) -> Option<Vec<BTreeSet<usize>>> {
-        Some(all.iter().map(|s| s.iter().copied().collect()).collect())
-    }
-
-    /// For every claim that is not too high the claim itself is the answer.
-    fn found(ways: &[Option<Vec<BTreeSet<usize>>>]) -> usize {
-        let of = |claimed: usize| fewest(ways, 0, claimed, &Budget::unlimited()).expect("no limit").expect("few sets");
-        let found = of(8);
-        assert!((1..=8).all(|claimed| of(claimed) == claimed.min(found)));
-        found
-    }
-
-    #[test]
-    fn the_fewest_by_hand() {
-        // Taken at once; after either of two; after both; behind one another; behind a circle, or the long way.
-        assert_eq!(found(&[sets(&[&[]]), None]), 1);
-        assert_eq!(found(&[sets(&[&[1], &[2]]), None, None]), 2);
-        assert_eq!(found(&[sets(&[&[1, 2]]), None, None]), 3);
-        assert_eq!(found(&[sets(&[&[1]]), sets(&[&[2]]), sets(&[&[3]]), None]), 4);
-        assert_eq!(found(&[sets(&[&[1], &[3, 4, 5]]), sets(&[&[2]]), sets(&[&[1]]), None, None, None]), 4);
-        // None at all: every claim holds.
-        assert_eq!(found(&[sets(&[]), None]), 8);
     }
 }

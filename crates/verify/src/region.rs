@@ -1,4 +1,4 @@
-//! Claims about the plan as a whole: its lower bound, and where a mobile base may drive.
+//! Where a mobile base may drive.
 
 use crate::case::{Case, Track};
 use crate::names::Names;
@@ -8,29 +8,8 @@ use clearway_plan::PlanFile;
 /// Metres that the base may leave its region by: rounding.
 const SAME: f64 = 1e-6;
 
-/// A bound above what the plan removes is false. Of the proofs, only the empty one is judged: no
-/// barriers, one removal.
-pub(crate) fn check_lower_bound(plan: &PlanFile, report: &mut Report) {
-    let Some(bound) = &plan.lower_bound else { return };
-    if bound.removed > plan.removed.len() {
-        let what = format!("lower_bound.removed is {}, but this plan removes {}", bound.removed, plan.removed.len());
-        report.plan(ViolationKind::LowerBound, what);
-    }
-    let no_barriers = bound.proof.get("barriers").and_then(|b| b.as_array()).is_some_and(Vec::is_empty);
-    if bound.kind == "geometric" && no_barriers {
-        if bound.removed > 1 {
-            report.plan(
-                ViolationKind::LowerBound,
-                format!("no barriers prove a bound of 1, the target; {} is claimed", bound.removed),
-            );
-        }
-    } else if bound.kind != "grasps" {
-        report.not_checked.push(format!("the {:?} proof that at least {} must be removed", bound.kind, bound.removed));
-    }
-}
-
 /// The first link with a shape stays inside `scene.robot.region`, at every row.
-pub(crate) fn check_region(plan: &PlanFile, case: &Case, names: &Names, tracks: &[Track], report: &mut Report) {
+pub(crate) fn check(plan: &PlanFile, case: &Case, names: &Names, tracks: &[Track], report: &mut Report) {
     let Some(region) = plan.scene.robot.region else { return };
     let Some(base) = case.model.links.iter().position(|l| !l.pieces.is_empty()) else { return };
     let above = case.model.moving_joints_above(base);
