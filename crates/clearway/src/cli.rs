@@ -77,6 +77,9 @@ pub struct PlanArgs {
     /// How the retrieval graph is searched; default: exact, greedy with --paper.
     #[arg(long, value_enum)]
     pub search: Option<SearchKind>,
+    /// For scenes with a camera: behind which object within reach to look while the target is not seen.
+    #[arg(long, value_enum, default_value = "expected")]
+    pub look: LookKind,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -87,6 +90,16 @@ pub enum First {
     Grasp,
     /// All objects: every sequence is allowed from the start.
     All,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum LookKind {
+    /// The one that most places where the target could be ask for.
+    Expected,
+    /// The one farthest from the robot: the paper's rule.
+    Farthest,
+    /// The one that hides the largest volume: the rule of Nam et al.
+    Largest,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -131,6 +144,8 @@ pub enum Kind {
     Shelf,
     /// Many slender cylinders in a wide cabinet.
     Large,
+    /// A shelf whose objects hide each other and the target from a camera; a UR10 with a suction cup.
+    Occluded,
 }
 
 #[derive(Debug, Args)]
@@ -217,6 +232,8 @@ pub enum Experiment {
     Large(BenchRetrievalArgs),
     /// Table VI: 16 objects, against the fewest removals and brute force.
     Optimal(BenchRetrievalArgs),
+    /// Hidden objects (Table II): rules where to look, and the same scenes with all objects known.
+    Occlusion(BenchRetrievalArgs),
     /// Make tables (Markdown, CSV) and figures (SVG) from the rows in a directory, beside them.
     Report(BenchReportArgs),
 }

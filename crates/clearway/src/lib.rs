@@ -12,6 +12,7 @@
 //! ```
 
 mod motion;
+mod observed;
 mod outcome;
 mod written;
 
@@ -27,6 +28,8 @@ pub use clearway_scenarios as scenarios;
 pub use clearway_scene::Scene;
 pub use clearway_verify::{Report, VerifiedPlan, read_plan, verify, verify_file};
 pub use motion::{MotionOutcome, plan_motion};
+pub use clearway_retrieval::occlusion::guess::Rule as LookRule;
+pub use observed::solve_observed;
 pub use outcome::{Outcome, improve, solve};
 pub use written::{page, to_json, with_meshes_relative_to};
 

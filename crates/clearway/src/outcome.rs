@@ -26,15 +26,21 @@ pub enum Outcome {
 /// Plans and verifies. Mesh files are named relative to `directory` in the plan.
 pub fn solve(planner: &mut Planner, request: &Request, directory: &Path, observer: &mut dyn Observer) -> Outcome {
     let answer = planner.plan(request, observer);
-    let plan = with_meshes_relative_to(answer.plan, directory);
-    match (plan.status, answer.stopped) {
+    verified(answer.plan, answer.stopped, request, directory)
+}
+
+/// What a planner came to, its plan verified if it has one.
+pub(crate) fn verified(plan: PlanFile, stopped: Option<Stop>, request: &Request, directory: &Path) -> Outcome {
+    let plan = with_meshes_relative_to(plan, directory);
+    match (plan.status, stopped) {
         (Status::Solved, _) => {
             // The deadline is the planner's: a plan found in time is judged to the end.
             let budget = request.budget.without_deadline();
+            let scene = plan.scene.clone();
             match accept(plan, directory, &budget) {
                 Ok(verified) => Outcome::Solved(Box::new(verified)),
                 Err(Rejected::Unjudged(clearway_verify::CannotJudge::Stopped(stop))) => {
-                    let mut plan = PlanFile::unsolved(planner.scene().file.clone());
+                    let mut plan = PlanFile::unsolved(scene);
                     plan.why.summary = "Interrupted while the plan found was being verified.".to_owned();
                     Outcome::OutOfBudget(Box::new(plan), stop)
                 }

@@ -20,6 +20,8 @@ pub struct World {
     /// By object id, where the scene has them.
     pub objects: Vec<Obstacle>,
     pub solids: Vec<Arc<Solid>>,
+    /// By object id: what it hides, where that still counts while the hand holds it.
+    pub unseen: Vec<Option<Arc<Obstacle>>>,
     /// By object id: its parts, as a hand carries them.
     pub carried: Vec<Arc<Vec<MovingPart>>>,
     /// By object id: what rests on it, at least in part, and would fall.
@@ -71,6 +73,7 @@ impl World {
             fixtures: Vec::new(),
             objects: Vec::new(),
             solids: Vec::new(),
+            unseen: Vec::new(),
             carried: Vec::new(),
             loads: Vec::new(),
             poses: Vec::new(),
@@ -92,7 +95,24 @@ impl World {
         self.fixtures = scene.fixtures.iter().map(|f| place(&f.solid, &f.pose)).collect();
         let near = |link: usize| (1..=MOVED_BY_FEW).contains(&self.model.kinematics.moved_by[link].count_ones());
         self.apart = (0..self.model.links.len()).map(|link| if near(link) { self.never_touched(link) } else { Vec::new() }).collect();
-        self.objects = scene.objects.iter().map(|o| place(&o.solid, &o.pose)).collect();
+        // What an object hides is not to be touched as long as it stands, like the object itself.
+        let hidden = |index: usize| scene.hidden.iter().filter(move |h| h.behind.index() == index);
+        self.objects = (0..)
+            .zip(&scene.objects)
+            .map(|(index, o)| {
+                let object_from_world = o.pose.inverse();
+                let mut parts = o.solid.parts.clone();
+                let space = hidden(index).flat_map(|h| &h.space.parts);
+                parts.extend(space.map(|(pose, convex)| (object_from_world * *pose, convex.clone())));
+                place(&Solid { parts }, &o.pose)
+            })
+            .collect();
+        self.unseen = (0..scene.objects.len())
+            .map(|index| {
+                let parts: Vec<(Pose, Convex)> = hidden(index).flat_map(|h| h.beyond.parts.iter().cloned()).collect();
+                (!parts.is_empty()).then(|| Arc::new(place(&Solid { parts }, &Pose::IDENTITY)))
+            })
+            .collect();
         self.solids = scene.objects.iter().map(|o| o.solid.clone()).collect();
         let tag = self.model.links.len() * TAGS_PER_LINK;
         self.carried = self.solids.iter().map(|s| Arc::new(moving_parts(s, tag))).collect();
@@ -145,6 +165,12 @@ impl World {
             objects_below: ObjectSet::EMPTY,
             kernel: None,
         }
+    }
+
+    /// Among what was put down, what an object hides: a moment in which it is in hand.
+    pub fn with_unseen(&self, mut placed: Vec<(ObjectId, Arc<Obstacle>)>, object: ObjectId) -> Vec<(ObjectId, Arc<Obstacle>)> {
+        placed.extend(self.unseen[object.index()].iter().map(|unseen| (object, unseen.clone())));
+        placed
     }
 
     /// The fixtures and standing objects that carry an object at rest at `root_from_object`: those

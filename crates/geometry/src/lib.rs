@@ -8,6 +8,7 @@ pub mod distance;
 pub mod footprint;
 pub mod hull;
 pub mod pose;
+pub mod ray;
 pub mod signed_distance;
 
 pub use convex::{Convex, Solid};

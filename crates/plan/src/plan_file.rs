@@ -32,6 +32,9 @@ pub struct PlanFile {
     pub lower_bound: Option<LowerBound>,
     #[serde(default, deserialize_with = "null_is_default")]
     pub steps: Vec<Step>,
+    /// For a partly observed scene: what was known before each step.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "null_is_default")]
+    pub known: Vec<Known>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trace: Option<Trace>,
     #[serde(default, deserialize_with = "null_is_default")]
@@ -59,6 +62,7 @@ impl PlanFile {
             removed: Vec::new(),
             lower_bound: None,
             steps: Vec::new(),
+            known: Vec::new(),
             trace: None,
             timing: Timing::default(),
             stats: Stats::default(),
@@ -212,6 +216,25 @@ pub struct Attached {
 pub struct PlacedPose {
     pub position: [f64; 3],
     pub quaternion: [f64; 4],
+}
+
+/// What was known before a step: the camera looked as the objects stood then.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Known {
+    /// From 0.
+    pub step: usize,
+    /// All objects seen by then, those put down elsewhere included.
+    pub seen: Vec<String>,
+    /// Those of them that came into view since the step before.
+    pub new: Vec<String>,
+    /// What this step is a part of taking: the target, or an object to look behind.
+    pub taking: String,
+    /// Of the places where the target could stand, not in view as yet, the part to be looked at with that
+    /// object gone; once the target is seen there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chance: Option<f64>,
+    /// Seconds of planning.
+    pub planning: f64,
 }
 
 /// How many removals every plan needs, the target included, and what proves it.

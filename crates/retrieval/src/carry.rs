@@ -171,7 +171,7 @@ impl<R: Rng> Carrier<'_, R> {
 
         // Out with it and to a spot.
         let mut carrying = Moment::new(before.standing.difference(ObjectSet::of(object)), grasp.closed, self.settings.margin);
-        carrying.placed = before.placed.clone();
+        carrying.placed = world.with_unseen(before.placed.clone(), object);
         let placement = attempt!(self.place(object, grasp, &entry, &carrying));
         let (fixtures, objects) = world.carriers[object.index()].clone();
         let mut held = placement.held.clone();
@@ -190,7 +190,7 @@ impl<R: Rng> Carrier<'_, R> {
         after.standing.remove(object);
         after.placed.push((object, world.placed(object, &placement.pose)));
         let mut leaving = Moment::new(after.standing, open, self.settings.final_margin);
-        leaving.placed = after.placed.clone();
+        leaving.placed = world.with_unseen(after.placed.clone(), object);
         leaving.gripping = Some(object);
         let mut back = placement.back;
         let retreat_end = back.last().cloned().unwrap_or_else(|| across_end(&across));

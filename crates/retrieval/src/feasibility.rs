@@ -35,6 +35,8 @@ pub enum Unfit {
     BadStart(String),
     /// There is no place, or none that could hold the object, whatever stands there.
     NoPlace(String),
+    /// Nothing can be seen with the camera.
+    Camera(String),
 }
 
 /// What the robot can do in one scene.
@@ -50,6 +52,8 @@ pub struct Feasibility {
     pub(crate) ways: Vec<Option<Ways>>,
     scratch: Scratch,
     trees: Trees,
+    /// Whether the arm goes home after the target.
+    homing: bool,
 }
 
 /// Motions planned so far, and what they are planned with.
@@ -112,7 +116,7 @@ impl Feasibility {
         let floor = Floor::new(&scene, &robot);
         let ways = vec![None; scene.objects.len()];
         let (scratch, trees) = (Scratch::default(), Trees::default());
-        let new = Self { scene, world, floor, inverse, settings, carrying, start, ways, scratch, trees };
+        let new = Self { scene, world, floor, inverse, settings, carrying, start, ways, scratch, trees, homing: true };
         new.start_is_free(&new.start)?;
         let scene = &new.scene;
         if scene.places.is_empty() {
@@ -148,6 +152,11 @@ impl Feasibility {
         self.start_is_free(&start)?;
         self.start = start;
         Ok(())
+    }
+
+    /// Whether the arm goes home after the target; it does unless told otherwise.
+    pub fn set_homing(&mut self, homing: bool) {
+        self.homing = homing;
     }
 
     /// Everything anew but the robot and where it stands.
@@ -197,10 +206,6 @@ impl Feasibility {
         all.map(|i| self.minimal_sets(ObjectId(i), ObjectSet::CAPACITY, budget)).collect()
     }
 
-    /// Looks at every grasp posture of an object.
-    pub(crate) fn see_all(&mut self, object: ObjectId, budget: &Budget) -> Result<(), Stop> {
-        self.look(object, budget, |explorer, ways, scratch| explorer.see_all(object, ways, scratch, budget))
-    }
 
     /// Looks into all ways of the objects that came up: whoever is told that there is no plan wants to
     /// know what stands in the way.
@@ -324,7 +329,7 @@ impl Feasibility {
             },
         };
         // The target comes last; then the arm goes home.
-        let last = object == self.scene.target;
+        let last = self.homing && object == self.scene.target;
         let mut blamed = Vec::new();
         for tried in 0..WAYS_TRIED {
             // Those that failed least come first.

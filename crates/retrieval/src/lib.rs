@@ -26,6 +26,7 @@ pub mod place;
 pub mod order;
 pub mod planner;
 pub mod roadmap;
+pub mod occlusion;
 mod trace;
 pub mod ways;
 

@@ -7,6 +7,7 @@
 use crate::carry;
 use crate::direct::{Direct, Directly};
 use crate::feasibility::{Ending, Feasibility, Journey, NoMotion, Unfit};
+use crate::floor::Floor;
 use crate::graph::{RetrievalGraph, Search, Sequence};
 use crate::order::most_in_way;
 use crate::roadmap::{self, Roadmap};
@@ -141,6 +142,14 @@ impl Planner {
         Ok(())
     }
 
+    /// Another object is wanted. What is known of reaching each one stays.
+    pub(crate) fn retarget(&mut self, target: ObjectId) {
+        self.arm.scene.target = target;
+        self.arm.floor = Floor::new(&self.arm.scene, self.arm.robot());
+        self.roadmap = Roadmap::new(&self.arm.floor);
+        self.graph = new_graph(&self.arm.scene);
+    }
+
     /// Plans. Everything random comes from the request's seed.
     pub fn plan(&mut self, request: &Request, observer: &mut dyn Observer) -> Answer {
         let began = Instant::now();
@@ -178,8 +187,10 @@ impl Planner {
         let target = self.arm.scene.target;
         let count = self.arm.scene.objects.len();
         run.budget.check()?;
-        self.arm.see_all(target, &run.budget)?;
-        if self.arm.ways_of(target).is_some_and(|w| w.ways.is_empty()) && self.arm.proved_out_of_reach(target, &run.budget)? {
+        if self.arm.minimal_sets(target, 0, &run.budget)?.is_empty()
+            && self.arm.ways_of(target).is_some_and(|w| w.ways.is_empty())
+            && self.arm.proved_out_of_reach(target, &run.budget)?
+        {
             return Ok(None);
         }
         let first = match self.settings.first_limit {

@@ -43,6 +43,7 @@ fn without_steps(arm: &Feasibility, status: Status) -> PlanFile {
         removed: Vec::new(),
         lower_bound: None,
         steps: Vec::new(),
+        known: Vec::new(),
         trace: None,
         timing: Timing::default(),
         stats: Stats::default(),

@@ -404,7 +404,17 @@ impl Explorer<'_> {
         scratch: &mut Scratch,
         budget: &Budget,
     ) -> Result<Vec<ObjectSet>, Stop> {
-        self.see_all(object, ways, scratch, budget)?;
+        // With one that nothing stands in, no other matters.
+        loop {
+            budget.check()?;
+            let open = (0..ways.ways.len()).filter(|&i| ways.ways[i].blocked_by.is_empty()).max_by_key(|&i| ways.ways[i].stage);
+            match open {
+                Some(i) if ways.ways[i].stage == Stage::Exact => return Ok(vec![ObjectSet::EMPTY]),
+                Some(i) => self.advance(object, ways, i, most, scratch),
+                None if self.see(object, ways, scratch) => {}
+                None => break,
+            }
+        }
         loop {
             budget.check()?;
             let exact = |w: &&Way| w.stage == Stage::Exact && w.blocked_by.len() <= most;
@@ -429,6 +439,7 @@ pub(crate) fn moment(world: &World, settings: &Settings, object: ObjectId, grasp
     let others = ObjectSet::first(world.objects.len()).difference(ObjectSet::of(object));
     let mut moment = Moment::new(others, world.model.robot.hand.open(), settings.margin);
     moment.held_margin = settings.held_margin;
+    moment.placed = world.with_unseen(Vec::new(), object);
     moment.held = Some(Held { fixtures_below, objects_below, ..world.in_hand(object, &grasp.object_from_tool) });
     moment
 }

@@ -9,8 +9,8 @@ use rand::{Rng, RngExt};
 pub const ROBOT: &str = "ur10_ag95";
 
 /// Metres. The cabinet's front, its floor's top, its inner height and its walls' thickness.
-const FRONT: f64 = 0.55;
-const FLOOR: f64 = 0.60;
+pub(crate) const FRONT: f64 = 0.55;
+pub(crate) const FLOOR: f64 = 0.60;
 const HEIGHT: f64 = 0.50;
 const WALL: f64 = 0.02;
 /// Draws of one object's place before the whole draw starts over, and such starts.
@@ -65,11 +65,11 @@ pub fn large() -> Recipe {
     }
 }
 
-struct Disc {
-    x: f64,
-    y: f64,
-    radius: f64,
-    height: f64,
+pub(crate) struct Disc {
+    pub x: f64,
+    pub y: f64,
+    pub radius: f64,
+    pub height: f64,
 }
 
 /// One scene; objects are uniformly placed without touching.
@@ -104,7 +104,7 @@ pub fn draw(recipe: &Recipe, objects: usize, random: &mut impl Rng) -> Result<Sc
     Err(NoScene::DoesNotFit { fitted })
 }
 
-fn uniform(random: &mut impl Rng, [low, high]: [f64; 2]) -> f64 {
+pub(crate) fn uniform(random: &mut impl Rng, [low, high]: [f64; 2]) -> f64 {
     low + (high - low) * random.random::<f64>()
 }
 
@@ -113,7 +113,7 @@ fn tidy(v: f64) -> f64 {
     (v * 1e4).round() / 1e4
 }
 
-fn scene(discs: &[Disc], target: usize, width: f64, depth: f64) -> SceneFile {
+pub(crate) fn scene(discs: &[Disc], target: usize, width: f64, depth: f64) -> SceneFile {
     let middle = FRONT + depth / 2.0;
     let side = width / 2.0 + WALL / 2.0;
     let mid_height = FLOOR + HEIGHT / 2.0;

@@ -5,6 +5,7 @@
 //! also rejected when it takes more than twice as many, as far as can be told. Everything comes from the seed.
 
 mod cabinet;
+mod occluded;
 
 pub use cabinet::ROBOT;
 
@@ -49,6 +50,7 @@ pub enum NoScene {
     /// More removals asked for than there are objects.
     TooManyRemovals,
     NoObjects,
+    NothingToHideBehind,
     /// The scene drawn was refused: an internal error.
     Unsound(String),
 }
@@ -60,6 +62,7 @@ impl std::fmt::Display for NoScene {
                 write!(f, "so many objects do not fit into the largest cabinet: {fitted} did; ask for fewer")
             }
             Self::TooManyRemovals => write!(f, "the least number of removals is larger than the number of objects"),
+            Self::NothingToHideBehind => write!(f, "it takes at least two objects for one to be hidden"),
             Self::NoObjects => write!(f, "a scene needs at least one object, the target"),
             Self::Unsound(why) => write!(f, "the scene drawn is not sound: {why}"),
         }
@@ -77,6 +80,31 @@ pub fn shelf(wanted: &Wanted) -> Result<Drawn, NoScene> {
 /// A shelf with up to 100 objects and more (section VI-F).
 pub fn large(wanted: &Wanted) -> Result<Drawn, NoScene> {
     draw(&cabinet::large(), wanted)
+}
+
+/// A shelf in which most objects are hidden behind others, the target too, before a camera; it can be had by who
+/// knows them all. `least_removals` is not looked at.
+pub fn occluded(wanted: &Wanted) -> Result<Drawn, NoScene> {
+    if wanted.objects < 2 {
+        return Err(NoScene::NothingToHideBehind);
+    }
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(wanted.seed);
+    let robot = Robot::load(occluded::ROBOT, Path::new("."), &[]).map_err(|e| NoScene::Unsound(e.to_string()))?;
+    let model = Arc::new(CollisionModel::new(Arc::new(robot)));
+    let mut rejected = 0;
+    loop {
+        let mut file = occluded::draw(wanted.objects, &mut random)?;
+        file.name = format!("occluded-{}-{}", wanted.objects, wanted.seed);
+        let scene = Scene::from_file_struct(file, Path::new(".")).map_err(|e| NoScene::Unsound(e.to_string()))?;
+        let file = scene.file.clone();
+        let mut planner = Planner::with_model(scene, model.clone(), Settings::default()).map_err(unsound)?;
+        let budget = Budget::unlimited().with_time(Duration::from_secs(20));
+        let as_wanted = planner.plan(&Request::new(1, budget), &mut Silent).plan.status == Status::Solved;
+        if as_wanted || rejected + 1 == MOST_DRAWS {
+            return Ok(Drawn { file, rejected, as_wanted });
+        }
+        rejected += 1;
+    }
 }
 
 fn draw(recipe: &Recipe, wanted: &Wanted) -> Result<Drawn, NoScene> {

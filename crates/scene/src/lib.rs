@@ -59,6 +59,19 @@ pub struct Scene {
     pub base: Pose,
     /// The mesh and point files that the scene names, each once.
     pub meshes: Vec<MeshSource>,
+    /// Space that objects hide, in a scene that is partly observed: motions keep out of it.
+    pub hidden: Vec<Hidden>,
+}
+
+/// Space that is not seen for an object, in the world; with the object gone it will be.
+#[derive(Clone, Debug)]
+pub struct Hidden {
+    pub behind: ObjectId,
+    pub space: Solid,
+    /// That of it which counts while the object is being taken.
+    pub beyond: Solid,
+    /// Something is there, too little of which is seen to tell what.
+    pub glimpsed: bool,
 }
 
 /// Something that may be moved.
@@ -171,7 +184,7 @@ impl Scene {
             .map(|p| Place { id: p.id.clone(), size: Vec2::from(p.size), centre: Vec3::from(p.position) })
             .collect();
         let names = objects.iter().map(|o| o.id.clone()).collect();
-        Ok(Scene { file, directory: directory.to_owned(), names, objects, fixtures, target, places, base, meshes })
+        Ok(Scene { file, directory: directory.to_owned(), names, objects, fixtures, target, places, base, meshes, hidden: Vec::new() })
     }
 
     /// All objects.

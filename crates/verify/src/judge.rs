@@ -3,7 +3,7 @@
 use crate::case::Case;
 use crate::error::CannotJudge;
 use crate::report::{Report, ViolationKind};
-use crate::{carry, collisions, gripper, jerk, limits, lower_bound, names, region, rows, steps, unchecked};
+use crate::{carry, collisions, gripper, jerk, limits, lower_bound, names, region, rows, sight, steps, unchecked};
 use clearway_plan::plan_file::{FORMAT, Status};
 use clearway_plan::{Budget, PlanFile};
 use std::path::Path;
@@ -52,6 +52,7 @@ pub(crate) fn judge(plan: &PlanFile, plan_directory: &Path, budget: &Budget, wit
     unchecked::check(plan, &case, &names, budget, &mut report)?;
     let Some(objects) = objects else { return Ok(report) };
     let stages = carry::stages(plan, &case, &names, &tracks, &objects, budget, &mut report)?;
+    sight::check(plan, &case, &tracks, &stages, budget, &mut report)?;
     for (track, stage) in tracks.iter().zip(&stages) {
         collisions::check(&case, &names, track, stage, budget, &mut report)?;
     }

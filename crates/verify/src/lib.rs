@@ -40,6 +40,7 @@ mod report;
 mod rest;
 mod rows;
 mod shapes;
+mod sight;
 mod steps;
 mod sweep;
 mod unchecked;

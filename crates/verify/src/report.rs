@@ -62,6 +62,8 @@ pub enum ViolationKind {
     HeldCollision,
     /// Two links of the robot touch.
     SelfCollision,
+    /// An object, or space, that the camera had not seen.
+    NotSeen,
     /// `lower_bound` cannot be true.
     LowerBound,
 }

@@ -18,7 +18,7 @@ function prepareBodies(plan, urdf, meshes) {
   };
   const objects = (scene.objects ?? []).map((body) => {
     const { colour = null, order = 0 } = colours.get(body.id) ?? {};
-    return { ...prepared(body), keys: body, colour, order, target: body.id === scene.target };
+    return { ...prepared(body), keys: body, colour, order, target: body.id === scene.target, seenFrom: seenFrom(plan, body.id) };
   });
   const extent = worldBounds(objects.map((o) => ({ bounds: o.bounds, pose: o.pose })));
   const fixtures = (scene.fixtures ?? []).map((body) => {
@@ -28,6 +28,12 @@ function prepareBodies(plan, urdf, meshes) {
   });
   const links = urdf ? prepareLinks(urdf, meshes, missing, plan.robot?.hand?.links ?? []) : [];
   return { objects, fixtures, links, extent, missing: [...missing] };
+}
+
+/** The step before which an object came into view; 0 where all is known. */
+function seenFrom(plan, id) {
+  if (!plan.known?.length) return 0;
+  return plan.known.find((known) => known.seen?.includes(id))?.step ?? Infinity;
 }
 
 /** The box round posed bodies, in the world. */

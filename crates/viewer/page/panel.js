@@ -35,7 +35,9 @@ function showSteps(plan, timeline, colours, go) {
     const segments = timeline.segments.filter((s) => s.stepIndex === stepIndex);
     const { colour, order } = colours.get(step.object) ?? {};
     const length = segments.length ? segments.at(-1).end - segments[0].start : 0;
-    const verb = step.action === 'push' ? 'push aside' : step.object === plan.scene.target ? 'take out, the target' : 'take out';
+    const known = plan.known?.find((k) => k.step === stepIndex);
+    const looking = known && known.taking !== plan.scene.target;
+    const verb = step.action === 'push' ? 'push aside' : step.object === plan.scene.target ? 'take out, the target' : looking ? `take out, to look behind ${known.taking === step.object ? 'it' : known.taking}` : 'take out';
     const head = element('button', 'step-head',
       swatch(colour, order ? String(order) : ''), element('span', 'step-name', step.object), element('span', 'quiet', verb), element('span', 'quiet time', seconds(length)));
     head.addEventListener('click', () => go(segments[0]?.start ?? 0));
@@ -46,7 +48,8 @@ function showSteps(plan, timeline, colours, go) {
       rows.push({ segment, node: chip });
       return chip;
     }));
-    const item = element('li', '', head, chips);
+    const seen = known && element('div', 'quiet', `${known.seen.length} objects seen${known.new?.length ? `, ${known.new.join(', ')} just now` : ''}`);
+    const item = element('li', '', head, seen, chips);
     rows.push({ stepIndex, node: item });
     list.append(item);
   }

@@ -45,7 +45,9 @@ function createStage(canvas, plan, bodies, base, changed) {
     }
     for (const object of bodies.objects) {
       const { pose, state: how } = state.objects.get(object.id);
-      put(object.drawable, pose, { tint: object.colour ?? theme.other, stroke: edge(1) });
+      // What the camera has not seen yet is hardly there.
+      const known = object.seenFrom <= Math.max(state.stepIndex, 0);
+      put(object.drawable, pose, { tint: object.colour ?? theme.other, stroke: edge(known ? 1 : 0.35), alpha: known ? 1 : 0.12 });
       if (how !== 'standing') {
         put({ edges: object.drawable.edges, edgeCount: object.drawable.edgeCount }, object.pose, { stroke: [...(object.colour ?? theme.other), 0.55], alpha: 0 });
       }

@@ -183,7 +183,8 @@ function createTopView(canvas, plan, bodies, base, tip) {
         g.setLineDash([]);
       }
       trace(g, footprints(object, pose));
-      g.fillStyle = css(object.colour ?? theme.other, object.colour ? 0.92 : 0.85);
+      const known = object.seenFrom <= Math.max(state.stepIndex, 0);
+      g.fillStyle = css(object.colour ?? theme.other, known ? (object.colour ? 0.92 : 0.85) : 0.15);
       g.fill();
       g.lineWidth = 1;
       g.strokeStyle = ink(0.45);

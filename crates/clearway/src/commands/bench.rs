@@ -13,6 +13,7 @@ pub fn run(args: &BenchArgs) -> Result<Exit, Failure> {
         Named::Peers(args) => bench_retrieval::run(Experiment::Peers, args),
         Named::Large(args) => bench_retrieval::run(Experiment::Large, args),
         Named::Optimal(args) => bench_retrieval::run(Experiment::Optimal, args),
+        Named::Occlusion(args) => bench_retrieval::run(Experiment::Occlusion, args),
         Named::Report(args) => bench_report::run(args),
     }
 }

@@ -5,7 +5,7 @@ use crate::cli::ExplainArgs;
 use crate::exit::{Exit, Failure};
 use clearway::PlanFile;
 use clearway_plan::object_set::one_of;
-use clearway_plan::plan_file::{LowerBound, ObjectWhy, Status};
+use clearway_plan::plan_file::{Known, LowerBound, ObjectWhy, Status};
 use clearway_plan::proof::{BarriersProof, Branch, Enclosure, GraspsProof, ObjectCase};
 use std::collections::BTreeSet;
 
@@ -34,6 +34,7 @@ fn text(plan: &PlanFile) -> String {
         Status::Impossible => out += &format!("impossible\n{}\n", plan.why.summary),
         Status::OutOfBudget => out += &format!("no plan found\n{}\n", plan.why.summary),
     }
+    out += &plan.known.iter().map(known).collect::<String>();
     out.push('\n');
     out += &objects(plan);
     let s = &plan.stats;
@@ -48,6 +49,17 @@ fn text(plan: &PlanFile) -> String {
         s.retrieval_nodes
     );
     out
+}
+
+/// What was seen before a step, and what the step was for.
+fn known(known: &Known) -> String {
+    let new = if known.new.is_empty() { "nothing new".to_owned() } else { format!("new: {}", known.new.join(", ")) };
+    let chance = known.chance.map_or(String::new(), |c| format!(", where {:.0} % of the places are that it could stand in and not be seen", 100.0 * c));
+    let aim = match known.chance {
+        None => format!("{} is in view, and is gone for", known.taking),
+        Some(_) => format!("to look behind {}{chance}", known.taking),
+    };
+    format!("Before step {}: {} objects seen ({new}); {aim}\n", known.step + 1, known.seen.len())
 }
 
 /// What proves the bound, in words.

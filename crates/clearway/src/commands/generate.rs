@@ -10,6 +10,7 @@ pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
     let (usual, least) = match args.kind {
         Kind::Shelf => (12, 2),
         Kind::Large => (100, 10),
+        Kind::Occluded => (12, 1),
     };
     let objects = args.objects.unwrap_or(usual);
     let least = args.least_removals.unwrap_or(least.min(objects));
@@ -17,6 +18,7 @@ pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
     let drawn = match args.kind {
         Kind::Shelf => scenarios::shelf(&wanted),
         Kind::Large => scenarios::large(&wanted),
+        Kind::Occluded => scenarios::occluded(&wanted),
     };
     let drawn = drawn.map_err(|error| match error {
         NoScene::Unsound(_) => Failure::internal(error.to_string()),
@@ -26,6 +28,10 @@ pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
     match &args.output {
         Some(path) => output::write(path, text.as_bytes())?,
         None => output::print(&text)?,
+    }
+    if matches!(args.kind, Kind::Occluded) {
+        tell(&format!("{} objects, target {}, hidden; {} rejected because no plan was found even with all of them known", drawn.file.objects.len(), drawn.file.target, drawn.rejected));
+        return Ok(Exit::Done);
     }
     let stuck = if matches!(args.kind, Kind::Large) { ", or more than twice as many are needed" } else { "" };
     tell(&format!(

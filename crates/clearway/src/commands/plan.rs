@@ -3,12 +3,13 @@
 use super::directory_of;
 use super::output::{self, print, tell, write_page, write_plan};
 use super::summary::{self, Progress};
-use crate::cli::{First, PlanArgs, SearchKind};
+use crate::cli::{First, LookKind, PlanArgs, SearchKind};
 use crate::exit::{Exit, Failure};
 use crate::interrupt;
-use clearway::{Budget, FileError, FirstLimit, Outcome, Planner, Request, Search, Settings, Stop, Unfit};
+use clearway::{Budget, CollisionModel, FileError, LookRule, FirstLimit, Outcome, Planner, Request, Search, Settings, Stop, Unfit};
 use clearway_files::{Limits, yaml};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// The paper's limit for one planning instance (section VI-A), seconds.
@@ -17,7 +18,6 @@ const TIME_LIMIT: f64 = 60.0;
 pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
     output::check(args.output.as_deref().into_iter().chain(args.html.as_deref()), &[&args.scene])?;
     let (scene, robot) = clearway::open(&args.scene, &args.package)?;
-    let mut planner = Planner::new(scene, robot, settings(args)).map_err(|u| unfit(&args.scene, &u))?;
     let mut budget = Budget::unlimited().with_cancel(interrupt::flag());
     if let Some(iterations) = args.iterations {
         budget = budget.with_iterations(iterations);
@@ -29,6 +29,13 @@ pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
     let request = Request::new(args.seed, budget);
     let directory = args.output.as_deref().map_or(PathBuf::from("."), directory_of);
     let mut progress = Progress::new(!args.json);
+    if scene.file.camera.is_some() {
+        let model = Arc::new(CollisionModel::new(robot));
+        let outcome = clearway::solve_observed(scene, model, settings(args), rule(args), &request, &directory, &mut progress);
+        progress.clear();
+        return finish(outcome.map_err(|u| unfit(&args.scene, &u))?, args.output.as_deref(), args.html.as_deref(), &directory, args.json);
+    }
+    let mut planner = Planner::new(scene, robot, settings(args)).map_err(|u| unfit(&args.scene, &u))?;
     let outcome = clearway::solve(&mut planner, &request, &directory, &mut progress);
     progress.clear();
     let outcome = match (outcome, args.improve) {
@@ -91,6 +98,14 @@ fn settings(args: &PlanArgs) -> Settings {
     settings
 }
 
+fn rule(args: &PlanArgs) -> LookRule {
+    match args.look {
+        LookKind::Expected => LookRule::Expected,
+        LookKind::Farthest => LookRule::Farthest,
+        LookKind::Largest => LookRule::Largest,
+    }
+}
+
 fn unfit(scene: &Path, unfit: &Unfit) -> Failure {
     // The file is read again, for the line; if it is gone by now there is none.
     let text = clearway_files::read_text(scene, &Limits::DOCUMENT).unwrap_or_default();
@@ -102,6 +117,7 @@ fn unfit(scene: &Path, unfit: &Unfit) -> Failure {
                 .help("give a free `robot.start`, or move the robot's `base` or what it touches")
         }
         Unfit::BadStart(why) => error(&["robot", "start"], why).help("`clearway robot` lists the joints and their limits"),
+        Unfit::Camera(why) => error(&["camera"], why).help("move it, or turn it towards the objects with `look_at`"),
         Unfit::NoPlace(why) => error(&["place"], why).help(
             "add one: `place: [{id: tray, size: [0.5, 0.8], position: [x, y, z]}]`, position being the centre of its top face",
         ),

@@ -15,6 +15,8 @@ pub enum Experiment {
     Large,
     /// Table VI.
     Optimal,
+    /// Table II.
+    Occlusion,
 }
 
 /// Who plans.
@@ -28,13 +30,26 @@ pub enum TaskPlanner {
     BruteForce,
     /// The fewest removals over the frozen set of ways; no motions.
     Exact,
+    /// In scenes that are partly observed, Clearway with the paper's rule where to look, and with that of [3];
+    /// `Clearway` has its own.
+    Farthest,
+    Largest,
+    /// Clearway, told of all objects.
+    AllKnown,
+}
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    Shelf,
+    Large,
+    Occluded,
 }
 
 /// A scene to be drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Draw {
-    /// Rather than a shelf.
-    pub large: bool,
+    pub kind: Kind,
     pub objects: usize,
     pub least_removals: usize,
     pub seed: u64,
@@ -58,12 +73,15 @@ impl TaskPlanner {
             Self::ShortestPath => "shortest_path",
             Self::BruteForce => "brute_force",
             Self::Exact => "exact",
+            Self::Farthest => "farthest",
+            Self::Largest => "largest",
+            Self::AllKnown => "all_known",
         }
     }
 }
 
 impl Experiment {
-    pub const ALL: [Self; 5] = [Self::Known, Self::Graphs, Self::Peers, Self::Large, Self::Optimal];
+    pub const ALL: [Self; 6] = [Self::Known, Self::Graphs, Self::Peers, Self::Large, Self::Optimal, Self::Occlusion];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -72,6 +90,7 @@ impl Experiment {
             Self::Peers => "peers",
             Self::Large => "large",
             Self::Optimal => "optimal",
+            Self::Occlusion => "occlusion",
         }
     }
 
@@ -79,18 +98,18 @@ impl Experiment {
     pub fn time_limit(self, quick: bool) -> f64 {
         match self {
             _ if quick => 2.0,
-            Self::Large | Self::Optimal => 60.0,
+            Self::Large | Self::Optimal | Self::Occlusion => 60.0,
             _ => 10.0,
         }
     }
 
     /// All its runs, those on one scene together; `quick`: a small cut.
     pub fn cases(self, quick: bool) -> Vec<Case> {
-        use TaskPlanner::{BruteForce, Clearway, Exact, Paper, ShortestPath, Traversability};
+        use TaskPlanner::{AllKnown, BruteForce, Clearway, Exact, Farthest, Largest, Paper, ShortestPath, Traversability};
         let sizes = [12, 16, 20];
         let (scenes, runs) = if quick { (2, 2) } else { (20, 20) };
         let all_limits = [FirstLimit::One, FirstLimit::GraspCover, FirstLimit::All];
-        let shelf = |objects, seed| Draw { large: false, objects, least_removals: 2, seed };
+        let shelf = |objects, seed| Draw { kind: Kind::Shelf, objects, least_removals: 2, seed };
         match self {
             Self::Known => {
                 // With the paper's settings the time is often spent in vain, so that once is enough.
@@ -108,7 +127,7 @@ impl Experiment {
                 cross(sizes.into_iter().flat_map(|n| (1..=scenes).map(move |s| shelf(n, s))), with, runs)
             }
             Self::Large => {
-                let draw = |seed| Draw { large: true, objects: 100, least_removals: 10, seed };
+                let draw = |seed| Draw { kind: Kind::Large, objects: 100, least_removals: 10, seed };
                 let with = [Clearway, Traversability, ShortestPath].map(|p| (p, FirstLimit::One));
                 cross((1..=if quick { 1 } else { 10 }).map(draw), with, 1)
             }
@@ -120,7 +139,7 @@ impl Experiment {
                 for (least_removals, count) in (2..).zip(counts) {
                     for scene in 1..=count {
                         let seed = least_removals as u64 * 1000 + scene;
-                        let draw = [Draw { large: false, objects: 16, least_removals, seed }];
+                        let draw = [Draw { kind: Kind::Shelf, objects: 16, least_removals, seed }];
                         cases.extend(cross(draw, [(Exact, FirstLimit::One)], 1));
                         let again = scene <= few;
                         cases.extend(cross(draw, [(Clearway, FirstLimit::One)], if again { runs } else { 1 }));
@@ -129,6 +148,16 @@ impl Experiment {
                         }
                     }
                 }
+                cases
+            }
+            Self::Occlusion => {
+                let draws = || {
+                    let draw = |objects, seed| Draw { kind: Kind::Occluded, objects, least_removals: 1, seed };
+                    sizes.into_iter().flat_map(move |n| (1..=scenes).map(move |s| draw(n, s)))
+                };
+                let mut cases = cross(draws(), [(Clearway, FirstLimit::One)], runs);
+                let others = [Farthest, Largest, AllKnown].map(|p| (p, FirstLimit::One));
+                cases.extend(cross(draws(), others, runs.min(5)));
                 cases
             }
         }

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 /// A JSON line. Counts of removals include the target; times in seconds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// `known`, `graphs`, `peers`, `large` or `optimal`.
+    /// `known`, `graphs`, `peers`, `large`, `optimal` or `occlusion`.
     pub experiment: String,
-    /// `clearway`, `paper`, `traversability`, `shortest_path`, `brute_force` or `exact`.
+    /// `clearway`, `paper`, `traversability`, `shortest_path`, `brute_force`, `exact`, `farthest`, `largest` or `all_known`.
     pub planner: String,
     pub objects: usize,
     /// Of the exploration limit: `1`, `grasp` or `all`.
@@ -42,6 +42,9 @@ pub struct Row {
     /// Of `graphs`: how both grew.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub growth: Vec<Growth>,
+    /// Of `occlusion`: planning before each action.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub actions: Vec<f64>,
     pub timing: Timing,
     pub version: String,
     pub machine: Machine,

@@ -2,12 +2,14 @@
 
 use crate::Machine;
 use crate::peers::{self, brute_force::brute_force, shortest_path::shortest_path, step_by_step::traversability};
-use crate::retrieval::experiment::{Case, Draw, Experiment, TaskPlanner};
+use crate::retrieval::experiment::{Case, Draw, Experiment, Kind, TaskPlanner};
 use crate::retrieval::row::{Growth, Row, Timing};
 use clearway_collision::CollisionModel;
-use clearway_plan::event::{Event, Observer};
+use clearway_plan::event::{Event, Observer, Silent};
 use clearway_plan::plan_file::{self, LowerBound, Status};
 use clearway_plan::{Budget, PlanFile, Stop};
+use clearway_retrieval::occlusion::guess::Rule;
+use clearway_retrieval::occlusion::simulated::play;
 use clearway_retrieval::order::{self, Fewest};
 use clearway_retrieval::{Feasibility, FirstLimit, Planner, Request, Settings};
 use clearway_robot::Robot;
@@ -29,6 +31,7 @@ pub struct Bench {
     budget: Budget,
     machine: Machine,
     model: OnceLock<Arc<CollisionModel>>,
+    suction: OnceLock<Arc<CollisionModel>>,
     /// Scenes with their hashes; drawing one takes as long as planning in some.
     scenes: Mutex<HashMap<Draw, Arc<OnceLock<Result<Drawn, String>>>>>,
 }
@@ -51,16 +54,19 @@ pub enum NoRow {
 impl Bench {
     pub fn new(experiment: Experiment, time_limit: f64, budget: Budget) -> Self {
         let time_limit = Duration::from_secs_f64(time_limit);
-        let (machine, model, scenes) = (Machine::this(), OnceLock::new(), Mutex::default());
-        Self { experiment, time_limit, budget, machine, model, scenes }
+        let (machine, model, suction, scenes) = (Machine::this(), OnceLock::new(), OnceLock::new(), Mutex::default());
+        Self { experiment, time_limit, budget, machine, model, suction, scenes }
     }
 
-    fn model(&self) -> Result<Arc<CollisionModel>, NoRow> {
-        if let Some(model) = self.model.get() {
+    /// Of the robot that a scene names: one of two.
+    fn model(&self, scene: &Scene) -> Result<Arc<CollisionModel>, NoRow> {
+        let name = &scene.file.robot.model;
+        let model = if name == scenarios::ROBOT { &self.model } else { &self.suction };
+        if let Some(model) = model.get() {
             return Ok(model.clone());
         }
-        let robot = Robot::load(scenarios::ROBOT, Path::new("."), &[]).map_err(|e| NoRow::Internal(e.to_string()))?;
-        Ok(self.model.get_or_init(|| Arc::new(CollisionModel::new(Arc::new(robot)))).clone())
+        let robot = Robot::load(name, Path::new("."), &[]).map_err(|e| NoRow::Internal(e.to_string()))?;
+        Ok(model.get_or_init(|| Arc::new(CollisionModel::new(Arc::new(robot)))).clone())
     }
 
     fn drawn(&self, draw: &Draw) -> Result<Drawn, NoRow> {
@@ -75,7 +81,7 @@ impl Bench {
 
     pub fn run(&self, case: &Case) -> Result<Row, NoRow> {
         let Drawn { scene, hash } = self.drawn(&case.draw)?;
-        let model = self.model()?;
+        let model = self.model(&scene)?;
         let mut row = Row { scene: hash, ..self.named(case) };
         let request = Request::new(case.seed, self.budget.clone().with_time(self.time_limit));
         let unfit = |unfit| NoRow::Internal(format!("{:?}: {unfit:?}", case.draw));
@@ -85,7 +91,15 @@ impl Bench {
                 let mut planner = Planner::with_model(scene, model, Settings::default()).map_err(unfit)?;
                 return self.exact(&mut planner, row);
             }
-            TaskPlanner::Clearway | TaskPlanner::Paper => {
+            TaskPlanner::Clearway | TaskPlanner::Farthest | TaskPlanner::Largest if case.draw.kind == Kind::Occluded => {
+                let rule = match case.planner {
+                    TaskPlanner::Farthest => Rule::Farthest,
+                    TaskPlanner::Largest => Rule::Largest,
+                    _ => Rule::Expected,
+                };
+                play(scene, model, settings(case), rule, &request, &mut Silent).map_err(unfit)?.0
+            }
+            TaskPlanner::Clearway | TaskPlanner::Paper | TaskPlanner::AllKnown | TaskPlanner::Farthest | TaskPlanner::Largest => {
                 let mut growing = Growing::default();
                 let mut planner = Planner::with_model(scene, model, settings(case)).map_err(unfit)?;
                 let plan = planner.plan(&request, &mut growing).plan;
@@ -131,6 +145,7 @@ impl Bench {
         if let Some(LowerBound { removed, kind, .. }) = &plan.lower_bound {
             (row.bound, row.bound_kind) = (*removed, kind.clone());
         }
+        row.actions = plan.known.iter().map(|k| k.planning).collect();
         row.motion = plan.duration();
         row.removed = plan.removed.len();
         row.order = plan.removed;
@@ -208,7 +223,11 @@ fn settings(case: &Case) -> Settings {
 
 fn draw_scene(draw: &Draw) -> Result<Drawn, String> {
     let wanted = Wanted { objects: draw.objects, seed: draw.seed, least_removals: Some(draw.least_removals) };
-    let drawn = if draw.large { scenarios::large(&wanted) } else { scenarios::shelf(&wanted) };
+    let drawn = match draw.kind {
+        Kind::Shelf => scenarios::shelf(&wanted),
+        Kind::Large => scenarios::large(&wanted),
+        Kind::Occluded => scenarios::occluded(&wanted),
+    };
     let file = drawn.map_err(|e| e.to_string())?.file;
     let text = serde_json::to_string(&file).map_err(|e| e.to_string())?;
     let hash = Sha256::digest(text.as_bytes()).iter().map(|b| format!("{b:02x}")).collect();

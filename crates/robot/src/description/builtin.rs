@@ -1,7 +1,7 @@
 //! The robots that the program carries: files like a user's, embedded.
 
 /// Their names.
-pub const NAMES: [&str; 2] = ["ur10_ag95", "panda"];
+pub const NAMES: [&str; 3] = ["ur10_ag95", "ur10_suction", "panda"];
 
 /// A built-in robot's files. They name no meshes.
 pub struct BuiltIn {
@@ -27,6 +27,7 @@ macro_rules! built_in {
 pub fn find(name: &str) -> Option<BuiltIn> {
     match name {
         "ur10_ag95" => Some(built_in!("ur10_ag95")),
+        "ur10_suction" => Some(built_in!("ur10_suction")),
         "panda" => Some(built_in!("panda")),
         _ => None,
     }

@@ -92,6 +92,7 @@ pub fn plan(random: &mut Xoshiro256PlusPlus) -> PlanFile {
             proof: serde_json::json!({"barriers": []}),
         }),
         steps: mover.steps,
+        known: Vec::new(),
         trace: None,
         timing: Timing::default(),
         stats: Stats::default(),
