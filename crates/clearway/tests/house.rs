@@ -6,17 +6,18 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// Crate, and the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 14] = [
+const MAY_USE: [(&str, &[&str]); 15] = [
     ("geometry", &[]),
     ("files", &[]),
     ("plan", &["geometry"]),
     ("robot", &["geometry", "files", "plan"]),
     ("scene", &["geometry", "files", "plan"]),
+    ("sight", &["geometry", "plan", "scene"]),
     ("collision", &["geometry", "plan", "robot", "scene"]),
     ("motion", &["geometry", "files", "plan", "robot", "scene", "collision"]),
-    ("retrieval", &["geometry", "plan", "robot", "scene", "collision", "motion"]),
+    ("retrieval", &["geometry", "plan", "robot", "scene", "sight", "collision", "motion"]),
     ("verify", &["plan", "files"]),
-    ("scenarios", &["geometry", "plan", "robot", "scene", "collision", "retrieval"]),
+    ("scenarios", &["geometry", "plan", "robot", "scene", "sight", "collision", "retrieval"]),
     ("export", &["plan"]),
     ("viewer", &["plan"]),
     (
@@ -29,8 +30,8 @@ const MAY_USE: [(&str, &[&str]); 14] = [
     (
         "clearway",
         &[
-            "geometry", "files", "plan", "robot", "scene", "collision", "motion", "retrieval", "verify", "scenarios", "export",
-            "viewer", "experiments",
+            "geometry", "files", "plan", "robot", "scene", "sight", "collision", "motion", "retrieval", "verify", "scenarios",
+            "export", "viewer", "experiments",
         ],
     ),
 ];

@@ -113,6 +113,10 @@ fn motions_through_hidden_space_are_found() {
         moved += usize::from(told.contains("which was not in view before"));
     }
     assert!(moved > 0);
+    // A scene may allow it.
+    let mut file = scene(8, 1);
+    file.camera.as_mut().expect("a camera").enter_unseen = true;
+    assert_eq!(found_wrong(&solved(file, LookRule::Expected)), "");
 }
 
 /// A camera and a dialogue about one scene, and the camera's first look.
@@ -165,6 +169,23 @@ fn a_target_that_is_nowhere() {
     let done = program.run("plan scene.yaml -o plan.json");
     assert_eq!(done.code, Some(3), "{}{}", done.out, done.err);
     assert!(done.err.contains("was not found: every reachable volume was seen"), "{}", done.err);
+}
+
+/// A hand that closes round things in a shelf drawn without regard to the camera; where that may be, through unseen space.
+#[test]
+fn a_parallel_hand_among_neighbours() {
+    let file = |enter_unseen: bool| {
+        let mut file = scenarios::shelf(&Wanted { objects: 12, seed: 2, least_removals: Some(2) }).expect("a scene").file;
+        let [position, look_at] = [[-0.15, 0.0, 1.0], [0.85, 0.0, 0.75]];
+        file.camera = Some(clearway_plan::scene_file::Camera { position, look_at, fov: 1.5, enter_unseen });
+        file
+    };
+    let robot = Robot::load("ur10_ag95", Path::new("."), &[]).expect("the built-in robot");
+    let model = Arc::new(CollisionModel::new(Arc::new(robot)));
+    for enter_unseen in [false, true] {
+        let outcome = solve_observed(sound(file(enter_unseen)), model.clone(), Settings::default(), LookRule::Expected, &request(), Path::new("."), &mut Silent);
+        assert!(matches!(outcome, Ok(Outcome::Solved(_))), "{outcome:?}");
+    }
 }
 
 #[test]

@@ -209,11 +209,14 @@ pub struct Rect {
     pub max: [f64; 2],
 }
 
-/// A camera; `fov` is the full horizontal angle, radians.
+/// A camera with a square picture; `fov` is its full angle, radians, across and up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
     pub position: [f64; 3],
     pub look_at: [f64; 3],
     pub fov: f64,
+    /// Motions may go through space that was not seen.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub enter_unseen: bool,
 }

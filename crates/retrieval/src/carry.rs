@@ -161,6 +161,12 @@ impl<R: Rng> Carrier<'_, R> {
         there.extend(way.postures.iter().rev().skip(1).cloned());
         let mut approach = free.clone();
         approach.gripping = Some(object);
+        if world.unseen[object.index()].is_some() {
+            // The hand goes round it: what it hides begins behind it.
+            approach.standing.remove(object);
+            approach.placed.push((object, world.placed(object, &world.poses[object.index()])));
+            approach.placed = world.with_unseen(approach.placed, object);
+        }
         approach.margin = self.settings.final_margin;
         let there = attempt!(self.timed(&approach, &there, None, "the approach"));
         match self.hand_turning(&way.postures[0], &approach, grasp.closed) {
@@ -402,11 +408,16 @@ impl<R: Rng> Carrier<'_, R> {
         let world = self.world;
         let object = held.object;
         let placed = world.placed(object, &pose);
-        let overlaps = |other: &Obstacle| {
-            other.near_bound(placed.bound.centre, placed.bound.radius, 0.0)
-                && placed.parts.iter().any(|p| other.parts.iter().any(|o| o.near_convex(&p.convex, &p.root_from_part, self.settings.margin)))
+        let overlap = |a: &Obstacle, b: &Obstacle| {
+            b.near_bound(a.bound.centre, a.bound.radius, 0.0)
+                && a.parts.iter().any(|p| b.parts.iter().any(|o| o.near_convex(&p.convex, &p.root_from_part, self.settings.margin)))
         };
-        if carrying.placed.iter().any(|(_, o)| overlaps(o)) || carrying.standing.iter().any(|id| overlaps(&world.objects[id.index()])) {
+        if carrying.placed.iter().any(|(_, o)| overlap(&placed, o)) || carrying.standing.iter().any(|id| overlap(&placed, &world.objects[id.index()])) {
+            return None;
+        }
+        // It comes down from above, clear of all but what will carry it.
+        let above = world.placed(object, &Pose::new(pose.rotation, pose.translation + world.up() * LOWER_STEP));
+        if world.fixtures.iter().any(|f| overlap(&above, f)) {
             return None;
         }
         let at = pose * grasp.object_from_tool;

@@ -383,7 +383,8 @@ impl Feasibility {
         match ending {
             Ending::Solved(objects) => {
                 let mut plan = trace::solved(self, objects, journey.carried);
-                plan.lower_bound = Some(self.lower_bound(objects.len(), budget));
+                // Of a scene that is partly observed nothing of the kind is known.
+                plan.lower_bound = self.scene.hidden.is_empty().then(|| self.lower_bound(objects.len(), budget));
                 plan
             }
             Ending::Impossible | Ending::Stopped(_) => {

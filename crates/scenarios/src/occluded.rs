@@ -34,7 +34,7 @@ const FIELD_OF_VIEW: f64 = 1.5;
 pub(crate) fn draw(objects: usize, random: &mut impl Rng) -> Result<SceneFile, NoScene> {
     let cabinet::Recipe { width, depth, radius, height, .. } = cabinet::shelf(objects);
     let columns = objects.div_ceil(DEEP).min(COLUMNS).min(objects.saturating_sub(1)).max(1);
-    let camera = Camera { position: EYE, look_at: [FRONT + depth / 2.0, 0.0, FLOOR + 0.15], fov: FIELD_OF_VIEW };
+    let camera = Camera { position: EYE, look_at: [FRONT + depth / 2.0, 0.0, FLOOR + 0.15], fov: FIELD_OF_VIEW, enter_unseen: false };
     let view = View::new(&camera);
     let mut fitted = 0;
     for _ in 0..STARTS {

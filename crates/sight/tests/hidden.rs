@@ -10,7 +10,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 const REGION: Region = Region { low: Vec3::new(0.5, -0.5, 0.6), high: Vec3::new(1.2, 0.5, 1.0) };
 
 fn view(fov: f64) -> View {
-    View::new(&Camera { position: [-0.2, 0.0, 1.0], look_at: [0.9, 0.0, 0.75], fov })
+    View::new(&Camera { position: [-0.2, 0.0, 1.0], look_at: [0.9, 0.0, 0.75], fov, enter_unseen: false })
 }
 
 fn upright(radius: f64, height: f64, x: f64, y: f64) -> (Solid, Pose) {

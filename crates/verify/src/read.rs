@@ -54,7 +54,7 @@ fn prune_scene(scene: &mut Value) {
         within(robot, "region", |rect| keep(rect, &[&["min", "max"]]));
     });
     within(scene, "workspace", |rect| keep(rect, &[&["min", "max"]]));
-    within(scene, "camera", |camera| keep(camera, &[&["position", "look_at", "fov"]]));
+    within(scene, "camera", |camera| keep(camera, &[&["position", "look_at", "fov", "enter_unseen"]]));
     for list in ["fixtures", "objects"] {
         each(scene, list, |body| {
             keep(body, &[&["id"], SHAPES, POSE]);

@@ -82,6 +82,9 @@ pub(crate) fn check(
         if !known.seen.contains(&plan.steps[index].object) {
             report.plan(ViolationKind::NotSeen, format!("step {index} takes {}, which was not known", plan.steps[index].object));
         }
+        if camera.enter_unseen {
+            continue;
+        }
         let taken = case.object(&plan.steps[index].object);
         for (track, stage) in tracks.iter().zip(stages).filter(|(t, _)| t.step == index) {
             let held = stage.held.as_ref().map(|held| (held, points(&case.objects[held.object].pieces)));

@@ -54,10 +54,9 @@ fn text(plan: &PlanFile) -> String {
 /// What was seen before a step, and what the step was for.
 fn known(known: &Known) -> String {
     let new = if known.new.is_empty() { "nothing new".to_owned() } else { format!("new: {}", known.new.join(", ")) };
-    let chance = known.chance.map_or(String::new(), |c| format!(", where {:.0} % of the places are that it could stand in and not be seen", 100.0 * c));
     let aim = match known.chance {
-        None => format!("{} is in view, and is gone for", known.taking),
-        Some(_) => format!("to look behind {}{chance}", known.taking),
+        None => format!("{} is in view, and this is for it", known.taking),
+        Some(chance) => format!("to look behind {}: {:.0} % of the places left for the target come into view", known.taking, 100.0 * chance),
     };
     format!("Before step {}: {} objects seen ({new}); {aim}\n", known.step + 1, known.seen.len())
 }

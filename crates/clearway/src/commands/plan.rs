@@ -30,6 +30,10 @@ pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
     let directory = args.output.as_deref().map_or(PathBuf::from("."), directory_of);
     let mut progress = Progress::new(!args.json);
     if scene.file.camera.is_some() {
+        if args.improve.is_some() {
+            let why = "--improve is for scenes without a camera: what was done to look cannot be taken back";
+            return Err(Failure::bad_input(why.to_owned()));
+        }
         let model = Arc::new(CollisionModel::new(robot));
         let outcome = clearway::solve_observed(scene, model, settings(args), rule(args), &request, &directory, &mut progress);
         progress.clear();

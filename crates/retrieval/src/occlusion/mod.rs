@@ -25,6 +25,8 @@ use std::time::Instant;
 
 /// An object that is this far from where it was has been moved, metres; and radians.
 const MOVED: f64 = 0.001;
+/// Names space that is not seen, where no object hides it.
+const UNSEEN: &str = "(unseen)";
 
 /// What is seen: objects with their shapes and poses in the world, and what space is not.
 #[derive(Clone, Debug)]
@@ -195,6 +197,12 @@ impl Dialogue {
                 (places, ranked)
             }
         };
+        // What may be entered need not be known.
+        let enter = scene.file.camera.as_ref().is_some_and(|c| c.enter_unseen);
+        if enter {
+            scene.hidden.clear();
+            scene.fixtures.retain(|f| f.id != UNSEEN);
+        }
         let mut planner = self.ready(&scene)?;
         let answer = match target {
             Some(_) => {
@@ -305,7 +313,7 @@ impl Dialogue {
         for (behind, space) in &self.hidden {
             match behind.as_ref().and_then(|id| scene.object(id)) {
                 Some(behind) => scene.hidden.push(Hidden { behind, space: space.clone(), beyond: space.clone(), glimpsed: true }),
-                None => scene.fixtures.push(Fixture { id: "unseen".to_owned(), solid: Arc::new(space.clone()), pose: Pose::IDENTITY }),
+                None => scene.fixtures.push(Fixture { id: UNSEEN.to_owned(), solid: Arc::new(space.clone()), pose: Pose::IDENTITY }),
             }
         }
         scene
