@@ -42,7 +42,7 @@ pub fn report(rows: &[Row]) -> Report {
         }
     }
     let all: Vec<&Row> = rows.iter().collect();
-    if all.iter().any(|r| r.planner == "clearway") {
+    if all.iter().any(|r| r.planner == "clearway" && !r.bound_kind.is_empty()) {
         report.say("## Lower bounds");
         lower_bounds(&mut report, &all);
     }
@@ -295,7 +295,8 @@ fn optimal(report: &mut Report, rows: &[&Row]) {
 
 fn lower_bounds(report: &mut Report, rows: &[&Row]) {
     let optima = optima(rows);
-    let own: Vec<&Row> = solved(rows).into_iter().filter(|r| r.planner == "clearway").collect();
+    // Without a kind there is no bound: of partly observed scenes nothing is proved.
+    let own: Vec<&Row> = solved(rows).into_iter().filter(|r| r.planner == "clearway" && !r.bound_kind.is_empty()).collect();
     let kinds: BTreeSet<&str> = own.iter().map(|r| r.bound_kind.as_str()).collect();
     let kinds: Vec<(&str, String)> = kinds.into_iter().map(|kind| (kind, format!("{kind} bounds"))).collect();
     let mut table = Table::new("lower_bounds", "Removals against their lower bounds");

@@ -4,7 +4,7 @@
 //! came into view after it was carried out. As long as the target is not seen an object is taken away to look
 //! behind it ([`guess`]); after that the target is planned for as if all were known. What objects
 //! hide counts as part of them: it is not to be touched as long as they stand, and gone with
-//! them. Only the first action of a plan is carried out before the next look.
+//! them. After each action there is another look, and the rest of the plan stands only if that brings nothing new.
 
 pub mod guess;
 pub mod simulated;
@@ -15,7 +15,7 @@ use clearway_collision::CollisionModel;
 use clearway_geometry::{Pose, Solid, Vec3};
 use clearway_motion::Posture;
 use clearway_plan::event::Observer;
-use clearway_plan::plan_file::{Known, PlanFile, Status, Step};
+use clearway_plan::plan_file::{Known, PlanFile, Stats, Status, Step, Timing};
 use clearway_plan::{ObjectId, ObjectSet, Stop};
 use clearway_scene::{Fixture, Hidden, Object, Scene};
 use clearway_sight::{Region, View};
@@ -102,6 +102,16 @@ pub struct Dialogue {
     posture: Option<Posture>,
     steps: usize,
     planner: Option<Planner>,
+    rest: Option<Rest>,
+}
+
+/// What is left of a plan whose first steps were carried out: good as long as looking brings nothing new, for it
+/// was made as if there were nothing behind what it removes.
+struct Rest {
+    taking: String,
+    plan: PlanFile,
+    /// Hidden spaces besides those of known objects, when it was made.
+    hidden: usize,
 }
 
 impl Dialogue {
@@ -124,6 +134,7 @@ impl Dialogue {
             posture: None,
             steps: 0,
             planner: None,
+            rest: None,
         }
     }
 
@@ -160,6 +171,8 @@ impl Dialogue {
             }
         }
         self.hidden = observation.hidden;
+        let as_expected = notices.is_empty() && self.rest.as_ref().is_some_and(|rest| self.hidden.len() <= rest.hidden);
+        self.rest = self.rest.take().filter(|rest| as_expected && !rest.plan.steps.is_empty());
         notices
     }
 
@@ -179,6 +192,10 @@ impl Dialogue {
     /// What to do next.
     pub fn next(&mut self, request: &Request, observer: &mut dyn Observer) -> Result<Turn, Unfit> {
         let began = Instant::now();
+        if let Some(Rest { taking, plan, .. }) = self.rest.take() {
+            let known = self.known(taking, None, began);
+            return Ok(self.act(plan, known));
+        }
         let mut scene = self.scene();
         let target = scene.object(&self.target);
         let standing = scene.all();
@@ -215,22 +232,29 @@ impl Dialogue {
             }
         };
         self.planner = Some(planner);
-        let Some((taking, Answer { mut plan, stopped })) = answer else { return Ok(self.not_found()) };
+        let Some((taking, Answer { plan, stopped })) = answer else { return Ok(self.not_found()) };
         if plan.status != Status::Solved || plan.steps.is_empty() {
             return Ok(Turn::End(Box::new(plan), stopped));
         }
-        let step = plan.steps.remove(0);
         let behind = |o: ObjectId| places.iter().filter(|p| p.behind.is_some_and(|b| b == ObjectSet::of(o))).count();
-        let known = Known {
-            step: self.steps,
-            seen: self.seen(),
-            new: self.new.clone(),
-            chance: scene.object(&taking).filter(|_| target.is_none()).map(|o| behind(o) as f64 / places.len().max(1) as f64),
-            taking,
-            planning: began.elapsed().as_secs_f64(),
-        };
+        let looked_behind = scene.object(&taking).filter(|_| target.is_none());
+        let chance = looked_behind.map(|o| behind(o) as f64 / places.len().max(1) as f64);
+        let known = self.known(taking, chance, began);
+        Ok(self.act(plan, known))
+    }
+
+    fn known(&self, taking: String, chance: Option<f64>, began: Instant) -> Known {
+        let planning = began.elapsed().as_secs_f64();
+        Known { step: self.steps, seen: self.seen(), new: self.new.clone(), taking, chance, planning }
+    }
+
+    /// The first step of a plan that has one; what is left of it is kept.
+    fn act(&mut self, mut plan: PlanFile, known: Known) -> Turn {
+        let step = plan.steps.remove(0);
         let last = step.object == self.target;
-        Ok(Turn::Act(Box::new(Action { object: step.object.clone(), step, last, known, plan })))
+        let rest = PlanFile { timing: Timing::default(), stats: Stats::default(), ..plan.clone() };
+        self.rest = Some(Rest { taking: known.taking.clone(), plan: rest, hidden: self.hidden.len() });
+        Turn::Act(Box::new(Action { object: step.object.clone(), step, last, known, plan }))
     }
 
     /// The first of the ranked objects for which there is a motion: of those within reach at once, then of all.
