@@ -2,7 +2,7 @@
 //! proofs with something wrong in them.
 
 use clearway::{Budget, PlanFile, Planner, Request, Robot, Scene, Settings, Silent, verify};
-use clearway_plan::proof::BarriersProof;
+use clearway_plan::proof::{BarriersProof, GraspsProof};
 use clearway_plan::scene_file::{Body, BoxKeys, CylinderKeys, FORMAT, PlaceArea, PoseKeys, RobotPlacement};
 use clearway_plan::{ObjectId, ObjectSet, SceneFile};
 use clearway_retrieval::barriers::Barriers;
@@ -190,9 +190,10 @@ fn floods_agree() {
     assert!(barred > 20 && equal > 50, "{barred} barred, bound reached in {equal} of {scenes}");
 }
 
-fn planned() -> PlanFile {
+fn planned(rows_before: usize) -> PlanFile {
     let robot = Robot::load("ur10_ag95", Path::new("."), &[]).expect("the built-in robot");
-    let mut planner = Planner::new(scene(rows(1, 5, 0.34)), Arc::new(robot), Settings::default()).expect("a fit scene");
+    let scene = scene(rows(rows_before, 5, 0.34));
+    let mut planner = Planner::new(scene, Arc::new(robot), Settings::default()).expect("a fit scene");
     let budget = Budget::unlimited().with_time(Duration::from_secs(60));
     planner.plan(&Request::new(1, budget), &mut Silent).plan
 }
@@ -205,7 +206,7 @@ fn found_wrong(plan: &PlanFile) -> Vec<String> {
 
 #[test]
 fn false_proofs_are_refused() {
-    let mut plan = planned();
+    let mut plan = planned(1);
     let bound = plan.lower_bound.clone().expect("a bound");
     assert_eq!((bound.kind.as_str(), bound.removed, plan.removed.len()), ("geometric", 2, 2));
     let proof: BarriersProof = serde_json::from_value(bound.proof).expect("a proof");
@@ -246,4 +247,21 @@ fn false_proofs_are_refused() {
     }
     plan.lower_bound.as_mut().expect("a bound").proof = json!(proof);
     assert!(found_wrong(&plan).iter().any(|v| v.contains("does not bar the way")));
+}
+
+/// Two rows: the hand needs more room than the target itself. Grasps and barriers prove it together.
+#[test]
+fn barriers_beside_the_grasps() {
+    let mut plan = planned(2);
+    let bound = plan.lower_bound.clone().expect("a bound");
+    assert_eq!(bound.kind, "grasps");
+    assert!(bound.removed > 3 && bound.removed <= plan.removed.len(), "{} {:?}", bound.removed, plan.removed);
+    assert_eq!(found_wrong(&plan), [""; 0]);
+    let mut proof: GraspsProof = serde_json::from_value(bound.proof).expect("a proof");
+    let barriers = proof.barriers.as_mut().expect("barriers");
+    assert_eq!(barriers.barriers.len(), 2);
+    barriers.barriers[0].chain[0].to[1] += 0.1;
+    plan.lower_bound.as_mut().expect("a bound").proof = json!(proof);
+    let told = found_wrong(&plan).join("\n");
+    assert!(told.contains("barrier 0"), "{told}");
 }
