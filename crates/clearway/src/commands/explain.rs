@@ -83,7 +83,7 @@ fn barriers(proof: &BarriersProof) -> String {
     let mut out = "what shuts the target in, whatever the hand and the arm".to_owned();
     if let Some(Enclosure { lean, floor, ceiling, .. }) = &proof.enclosure {
         let degrees = lean.to_degrees();
-        out += &format!(", as it is not lifted over it\n  between {} and {}, carried upright up to {degrees:.0}°", floor.fixture, ceiling.fixture);
+        out += &format!(";\n  between {} and {} it cannot be lifted over that, leaning by up to {degrees:.0}°", floor.fixture, ceiling.fixture);
     }
     out.push('\n');
     let whole = proof.barriers.iter().all(|b| b.weight > 1.0 - 1e-6);
