@@ -50,7 +50,6 @@ pub enum NoScene {
     /// More removals asked for than there are objects.
     TooManyRemovals,
     NoObjects,
-    NothingToHideBehind,
     /// The scene drawn was refused: an internal error.
     Unsound(String),
 }
@@ -62,7 +61,6 @@ impl std::fmt::Display for NoScene {
                 write!(f, "so many objects do not fit into the largest cabinet: {fitted} did; ask for fewer")
             }
             Self::TooManyRemovals => write!(f, "the least number of removals is larger than the number of objects"),
-            Self::NothingToHideBehind => write!(f, "it takes at least two objects for one to be hidden"),
             Self::NoObjects => write!(f, "a scene needs at least one object, the target"),
             Self::Unsound(why) => write!(f, "the scene drawn is not sound: {why}"),
         }
@@ -82,11 +80,11 @@ pub fn large(wanted: &Wanted) -> Result<Drawn, NoScene> {
     draw(&cabinet::large(), wanted)
 }
 
-/// A shelf in which most objects are hidden behind others, the target too, before a camera; it can be had by who
-/// knows them all. `least_removals` is not looked at.
+/// A shelf in which most objects are hidden behind others, the target too unless it is alone, before a camera; it can
+/// be had by who knows them all. `least_removals` is not looked at.
 pub fn occluded(wanted: &Wanted) -> Result<Drawn, NoScene> {
-    if wanted.objects < 2 {
-        return Err(NoScene::NothingToHideBehind);
+    if wanted.objects == 0 {
+        return Err(NoScene::NoObjects);
     }
     let mut random = Xoshiro256PlusPlus::seed_from_u64(wanted.seed);
     let robot = Robot::load(occluded::ROBOT, Path::new("."), &[]).map_err(|e| NoScene::Unsound(e.to_string()))?;
@@ -178,6 +176,23 @@ mod tests {
         }
     }
 
+    /// At first only the large ones in front are in view; the same seed draws the same.
+    #[test]
+    fn most_are_hidden_and_the_target_too() {
+        for (objects, in_front) in [(4, 1), (12, 3), (20, 5)] {
+            let wanted = Wanted { objects, seed: 2, least_removals: None };
+            let drawn = occluded(&wanted).unwrap();
+            assert_eq!(drawn.file, occluded(&wanted).unwrap().file);
+            assert!(drawn.as_wanted);
+            let scene = Scene::from_file_struct(drawn.file, Path::new(".")).unwrap();
+            let view = clearway_sight::View::new(scene.file.camera.as_ref().unwrap());
+            let mut camera = clearway_retrieval::occlusion::simulated::SimulatedCamera::new(scene.clone(), view);
+            let seen: Vec<String> = camera.look().objects.into_iter().map(|o| o.id).collect();
+            assert_eq!(seen.len(), in_front, "{seen:?}");
+            assert!(!seen.contains(&scene.file.target));
+        }
+    }
+
     #[test]
     fn what_cannot_be_is_told() {
         let wanted = |objects, least_removals| Wanted { objects, seed: 1, least_removals };
@@ -185,5 +200,7 @@ mod tests {
         assert_eq!(shelf(&wanted(3, Some(4))).unwrap_err(), NoScene::TooManyRemovals);
         assert!(matches!(shelf(&wanted(250, None)), Err(NoScene::DoesNotFit { .. })));
         assert_eq!(shelf(&wanted(1, None)).unwrap().file.objects.len(), 1);
+        assert_eq!(occluded(&wanted(0, None)).unwrap_err(), NoScene::NoObjects);
+        assert_eq!(occluded(&wanted(1, None)).unwrap().file.objects.len(), 1);
     }
 }

@@ -30,7 +30,7 @@ pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
         None => output::print(&text)?,
     }
     if matches!(args.kind, Kind::Occluded) {
-        tell(&format!("{} objects, target {}, hidden; {} rejected because no plan was found even with all of them known", drawn.file.objects.len(), drawn.file.target, drawn.rejected));
+        tell(&format!("{} objects, target {}; {} rejected because no plan was found even with all of them known", drawn.file.objects.len(), drawn.file.target, drawn.rejected));
         return Ok(Exit::Done);
     }
     let stuck = if matches!(args.kind, Kind::Large) { ", or more than twice as many are needed" } else { "" };
