@@ -1,13 +1,16 @@
 //! Barriers: chains whose number is known, removals that a flood of the free space disproves or not, and
 //! proofs with something wrong in them.
 
-use clearway::{Budget, PlanFile, Planner, Request, Robot, Scene, Settings, Silent, verify};
+mod judged;
+
+use clearway::{Budget, PlanFile, Planner, Request, Robot, Scene, Settings, Silent};
 use clearway_plan::proof::{BarriersProof, GraspsProof};
 use clearway_plan::scene_file::{Body, BoxKeys, CylinderKeys, FORMAT, PlaceArea, PoseKeys, RobotPlacement};
 use clearway_plan::{ObjectId, ObjectSet, SceneFile};
 use clearway_retrieval::barriers::Barriers;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use judged::found_wrong;
 use serde_json::{Value, json};
 use std::collections::{HashSet, VecDeque};
 use std::path::Path;
@@ -196,12 +199,6 @@ fn planned(rows_before: usize) -> PlanFile {
     let mut planner = Planner::new(scene, Arc::new(robot), Settings::default()).expect("a fit scene");
     let budget = Budget::unlimited().with_time(Duration::from_secs(60));
     planner.plan(&Request::new(1, budget), &mut Silent).plan
-}
-
-fn found_wrong(plan: &PlanFile) -> Vec<String> {
-    let report = verify(plan, Path::new("."), &Budget::unlimited()).expect("a judgement");
-    assert!(report.not_checked.is_empty(), "{:?}", report.not_checked);
-    report.violations.iter().map(|v| v.to_string()).collect()
 }
 
 #[test]

@@ -1,9 +1,12 @@
 //! Lower bounds: their proofs hold, false ones are refused, and no plan goes below them.
 
+mod judged;
+
 use clearway::scenarios::{self, Wanted};
-use clearway::{Budget, CollisionModel, PlanFile, Planner, Request, Robot, Scene, Settings, Silent, verify};
+use clearway::{Budget, CollisionModel, PlanFile, Planner, Request, Robot, Scene, Settings, Silent};
 use clearway_plan::SceneFile;
 use clearway_plan::proof::GraspsProof;
+use judged::found_wrong;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
@@ -28,12 +31,6 @@ fn plan(file: SceneFile) -> PlanFile {
 
 fn bound(plan: &PlanFile) -> usize {
     plan.lower_bound.as_ref().expect("a bound").removed
-}
-
-fn found_wrong(plan: &PlanFile) -> Vec<String> {
-    let report = verify(plan, Path::new("."), &Budget::unlimited()).expect("a judgement");
-    assert!(report.not_checked.is_empty(), "{:?}", report.not_checked);
-    report.violations.iter().map(|v| v.to_string()).collect()
 }
 
 #[test]

@@ -20,13 +20,19 @@ impl Circle {
     }
 }
 
-/// The squared distance from `p` to the segment from `a` to `b`.
+/// The point of the segment from `a` to `b` that is nearest to `p`.
 #[inline]
-pub fn point_segment_distance_squared(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+pub fn nearest_on_segment(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
     let ab = b - a;
     let length = ab.length_squared();
     let t = if length > 0.0 { ((p - a).dot(ab) / length).clamp(0.0, 1.0) } else { 0.0 };
-    (a + ab * t).distance_squared(p)
+    a + ab * t
+}
+
+/// The squared distance from `p` to the segment from `a` to `b`.
+#[inline]
+pub fn point_segment_distance_squared(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    nearest_on_segment(p, a, b).distance_squared(p)
 }
 
 fn direction(i: usize, count: usize) -> DVec2 {

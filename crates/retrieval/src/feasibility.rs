@@ -206,7 +206,6 @@ impl Feasibility {
         all.map(|i| self.minimal_sets(ObjectId(i), ObjectSet::CAPACITY, budget)).collect()
     }
 
-
     /// Looks into all ways of the objects that came up: whoever is told that there is no plan wants to
     /// know what stands in the way.
     pub(crate) fn look_at_all(&mut self) {

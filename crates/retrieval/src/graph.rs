@@ -9,6 +9,7 @@
 //! A label dies when another at its node has removed a subset. With [`Search::Greedy`] a node
 //! keeps its first label only, which is the paper's Algorithm 3.
 
+use crate::ordered::Ordered;
 use clearway_plan::{ObjectId, ObjectSet};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -295,7 +296,7 @@ fn extract(labels: &[Label], index: usize) -> Sequence {
 /// The labels of one search, best first.
 struct Frontier {
     labels: Vec<Label>,
-    queue: BinaryHeap<Reverse<(usize, Metres, usize)>>,
+    queue: BinaryHeap<Reverse<(usize, Ordered, usize)>>,
     /// Per node, what the labels that live there have removed, and their distance; the last entry
     /// is for finished sequences.
     alive: Vec<Vec<(ObjectSet, f64)>>,
@@ -331,7 +332,7 @@ impl Frontier {
             Search::Greedy => here.clear(),
         }
         here.push((label.removed, label.distance));
-        self.queue.push(Reverse((size, Metres(label.distance), self.labels.len())));
+        self.queue.push(Reverse((size, Ordered(label.distance), self.labels.len())));
         self.labels.push(label);
     }
 
@@ -356,24 +357,6 @@ struct Label {
     distance: f64,
     parent: Option<usize>,
     direct: bool,
-}
-
-/// A length that can be ordered; never NaN here.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Metres(f64);
-
-impl Eq for Metres {}
-
-impl PartialOrd for Metres {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Metres {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
 }
 
 #[cfg(test)]

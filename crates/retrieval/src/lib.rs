@@ -22,11 +22,12 @@ pub mod feasibility;
 pub mod floor;
 pub mod graph;
 pub mod grasps;
-pub mod place;
+pub mod occlusion;
 pub mod order;
+mod ordered;
+pub mod place;
 pub mod planner;
 pub mod roadmap;
-pub mod occlusion;
 mod trace;
 pub mod ways;
 

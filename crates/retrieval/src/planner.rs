@@ -135,8 +135,7 @@ impl Planner {
             SceneDelta::Posture(posture) => self.arm.set_start(posture)?,
             SceneDelta::Scene(scene) => {
                 self.arm.set_scene(*scene);
-                self.roadmap = Roadmap::new(&self.arm.floor);
-                self.graph = new_graph(&self.arm.scene);
+                self.begin_anew();
             }
         }
         Ok(())
@@ -146,6 +145,11 @@ impl Planner {
     pub(crate) fn retarget(&mut self, target: ObjectId) {
         self.arm.scene.target = target;
         self.arm.floor = Floor::new(&self.arm.scene, self.arm.robot());
+        self.begin_anew();
+    }
+
+    /// A roadmap and a graph for the scene as it is.
+    fn begin_anew(&mut self) {
         self.roadmap = Roadmap::new(&self.arm.floor);
         self.graph = new_graph(&self.arm.scene);
     }

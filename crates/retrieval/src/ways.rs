@@ -235,14 +235,6 @@ impl Explorer<'_> {
         true
     }
 
-    /// Looks at what all grasp postures touch.
-    pub fn see_all(&self, object: ObjectId, ways: &mut Ways, scratch: &mut Scratch, budget: &Budget) -> Result<(), Stop> {
-        while self.see(object, ways, scratch) {
-            budget.check()?;
-        }
-        Ok(())
-    }
-
     /// Looks one stage further into a way, as long as no more than `most` objects turn out to be in
     /// it. A way that is none is removed.
     fn advance(&self, object: ObjectId, ways: &mut Ways, index: usize, most: usize, scratch: &mut Scratch) {

@@ -83,21 +83,46 @@ pub fn large(wanted: &Wanted) -> Result<Drawn, NoScene> {
 /// A shelf in which most objects are hidden behind others, the target too unless it is alone, before a camera; it can
 /// be had by who knows them all. `least_removals` is not looked at.
 pub fn occluded(wanted: &Wanted) -> Result<Drawn, NoScene> {
+    let draw = |random: &mut Xoshiro256PlusPlus| occluded::draw(wanted.objects, random);
+    draw_until(wanted, occluded::ROBOT, "occluded", draw, |scene, model| {
+        let mut planner = Planner::with_model(scene, model, Settings::default()).map_err(unsound)?;
+        Ok(planner.plan(&Request::new(1, guarded()), &mut Silent).plan.status == Status::Solved)
+    })
+}
+
+fn draw(recipe: &Recipe, wanted: &Wanted) -> Result<Drawn, NoScene> {
+    let least = wanted.least_removals.unwrap_or(2.min(wanted.objects));
+    if wanted.objects > 0 && least > wanted.objects {
+        return Err(NoScene::TooManyRemovals);
+    }
+    let draw = |random: &mut Xoshiro256PlusPlus| cabinet::draw(recipe, wanted.objects, random);
+    draw_until(wanted, cabinet::ROBOT, recipe.name, draw, |scene, model| {
+        Ok((!recipe.solvable || can_be_had(scene.clone(), model.clone(), 2 * least)?)
+            && (least <= 1 || !fewer_suffice(scene, model, least)?))
+    })
+}
+
+/// Draws until a scene is as wanted, or the draws allowed are spent.
+fn draw_until(
+    wanted: &Wanted,
+    robot: &str,
+    kind: &str,
+    mut draw: impl FnMut(&mut Xoshiro256PlusPlus) -> Result<SceneFile, NoScene>,
+    is_as_wanted: impl Fn(Scene, Arc<CollisionModel>) -> Result<bool, NoScene>,
+) -> Result<Drawn, NoScene> {
     if wanted.objects == 0 {
         return Err(NoScene::NoObjects);
     }
     let mut random = Xoshiro256PlusPlus::seed_from_u64(wanted.seed);
-    let robot = Robot::load(occluded::ROBOT, Path::new("."), &[]).map_err(|e| NoScene::Unsound(e.to_string()))?;
+    let robot = Robot::load(robot, Path::new("."), &[]).map_err(|e| NoScene::Unsound(e.to_string()))?;
     let model = Arc::new(CollisionModel::new(Arc::new(robot)));
     let mut rejected = 0;
     loop {
-        let mut file = occluded::draw(wanted.objects, &mut random)?;
-        file.name = format!("occluded-{}-{}", wanted.objects, wanted.seed);
+        let mut file = draw(&mut random)?;
+        file.name = format!("{kind}-{}-{}", wanted.objects, wanted.seed);
         let scene = Scene::from_file_struct(file, Path::new(".")).map_err(|e| NoScene::Unsound(e.to_string()))?;
         let file = scene.file.clone();
-        let mut planner = Planner::with_model(scene, model.clone(), Settings::default()).map_err(unsound)?;
-        let budget = Budget::unlimited().with_time(Duration::from_secs(20));
-        let as_wanted = planner.plan(&Request::new(1, budget), &mut Silent).plan.status == Status::Solved;
+        let as_wanted = is_as_wanted(scene, model.clone())?;
         if as_wanted || rejected + 1 == MOST_DRAWS {
             return Ok(Drawn { file, rejected, as_wanted });
         }
@@ -105,42 +130,17 @@ pub fn occluded(wanted: &Wanted) -> Result<Drawn, NoScene> {
     }
 }
 
-fn draw(recipe: &Recipe, wanted: &Wanted) -> Result<Drawn, NoScene> {
-    if wanted.objects == 0 {
-        return Err(NoScene::NoObjects);
-    }
-    let least = wanted.least_removals.unwrap_or(2.min(wanted.objects));
-    if least > wanted.objects {
-        return Err(NoScene::TooManyRemovals);
-    }
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(wanted.seed);
-    let robot = Robot::load(cabinet::ROBOT, Path::new("."), &[]).map_err(|e| NoScene::Unsound(e.to_string()))?;
-    let model = Arc::new(CollisionModel::new(Arc::new(robot)));
-    let mut rejected = 0;
-    loop {
-        let mut file = cabinet::draw(recipe, wanted.objects, &mut random)?;
-        file.name = format!("{}-{}-{}", recipe.name, wanted.objects, wanted.seed);
-        let scene = Scene::from_file_struct(file, Path::new(".")).map_err(|e| NoScene::Unsound(e.to_string()))?;
-        let file = scene.file.clone();
-        let unfit = recipe.solvable && !can_be_had(scene.clone(), model.clone(), 2 * least)?
-            || least > 1 && fewer_suffice(scene, model.clone(), least)?;
-        if !unfit {
-            return Ok(Drawn { file, rejected, as_wanted: true });
-        }
-        if rejected + 1 == MOST_DRAWS {
-            return Ok(Drawn { file, rejected, as_wanted: false });
-        }
-        rejected += 1;
-    }
+/// The deadline only guards against a scene that never ends.
+fn guarded() -> Budget {
+    Budget::unlimited().with_time(Duration::from_secs(20))
 }
 
 /// Whether the target can be had with fewer than `least` removals, as far as the planner can tell
 /// with its exploration limit held below.
 fn fewer_suffice(scene: Scene, model: Arc<CollisionModel>, least: usize) -> Result<bool, NoScene> {
     let mut planner = Planner::with_model(scene, model, Settings::default()).map_err(unsound)?;
-    // The deadline only guards against a scene that never ends; a draw is then kept.
-    let budget = Budget::unlimited().with_time(Duration::from_secs(20));
-    let request = Request { most_removals: Some(least - 1), ..Request::new(1, budget) };
+    // Out of time the draw is kept.
+    let request = Request { most_removals: Some(least - 1), ..Request::new(1, guarded()) };
     Ok(planner.plan(&request, &mut Silent).plan.status == Status::Solved)
 }
 

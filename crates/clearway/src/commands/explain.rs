@@ -63,19 +63,22 @@ fn known(known: &Known) -> String {
 
 /// What proves the bound, in words.
 fn proof(bound: &LowerBound) -> String {
-    let grasps = serde_json::from_value::<GraspsProof>(bound.proof.clone()).ok().filter(|_| bound.kind == "grasps");
-    let geometric = serde_json::from_value::<BarriersProof>(bound.proof.clone()).ok().filter(|_| bound.kind == "geometric");
-    match (grasps, geometric) {
-        (Some(proof), _) => {
+    let grasps = || serde_json::from_value::<GraspsProof>(bound.proof.clone()).ok();
+    let shut_in = || serde_json::from_value::<BarriersProof>(bound.proof.clone()).ok().filter(|p| !p.barriers.is_empty());
+    let told = match bound.kind.as_str() {
+        "grasps" => grasps().map(|proof| {
             let stretch = format!("the straight {} m before them", proof.standoff);
             let objects: Vec<String> = proof.objects.iter().map(blocked).collect();
             let besides = proof.barriers.as_ref().map_or(String::new(), |b| format!("and besides {}", barriers(b)));
             format!("what blocks the declared grasps, or {stretch},\n{}{besides}", objects.concat())
-        }
-        (_, Some(proof)) if !proof.barriers.is_empty() => barriers(&proof),
-        _ if bound.removed == 1 => "the target has to go.\n".to_owned(),
+        }),
+        "geometric" => shut_in().map(|proof| barriers(&proof)),
+        _ => None,
+    };
+    told.unwrap_or_else(|| match bound.removed {
+        1 => "the target has to go.\n".to_owned(),
         _ => format!("kind {:?}.\n", bound.kind),
-    }
+    })
 }
 
 /// What shuts the target in, a line for each barrier.

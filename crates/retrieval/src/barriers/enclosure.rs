@@ -9,12 +9,12 @@
 //! the way of the disc, however high the target is lifted.
 
 use super::planar::{Prism, Rounded};
-use clearway_geometry::Vec2;
+use clearway_geometry::{Pose, Solid, Vec2};
 use clearway_plan::proof;
 use clearway_scene::{NOISE, Scene};
 
 /// Metres: how far beyond floor and ceiling *c* may be all the same.
-pub const SLACK: f64 = 0.0015;
+const SLACK: f64 = 0.0015;
 /// Of that, by the side: at a corner it is 1.4 times as much.
 const SIDE: f64 = 0.0007;
 /// Overlaps that plans may have, and rounding, metres.
@@ -38,7 +38,10 @@ impl Enclosure {
     pub fn of(scene: &Scene) -> Option<Self> {
         let object = &scene.objects[scene.target.index()];
         let (core, target, radius) = prisms(&object.solid, &object.pose)
-            .map(|prism| { let (centre, radius) = prism.inscribed(); (prism, centre, radius) })
+            .map(|prism| {
+                let (centre, radius) = prism.inscribed();
+                (prism, centre, radius)
+            })
             .max_by(|a, b| a.2.total_cmp(&b.2))?;
         let height = core.top - core.bottom;
         let above_below = |fixture: usize| {
@@ -52,8 +55,8 @@ impl Enclosure {
         let sine = (radius - SLACK) / height;
         let places_outside = scene.places.iter().all(|place| {
             let half = place.size / 2.0;
-            let at = |s: f64, t: f64| place.centre.truncate() + half * Vec2::new(s, t);
-            let (p, q) = region.nearest(&Rounded { corners: vec![at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)], radius: 0.0 });
+            let area = Rounded::rectangle(place.centre.truncate(), half.with_y(0.0), half.with_x(0.0));
+            let (p, q) = region.nearest(&area);
             p.distance(q) > 2.0 * SLACK
         });
         (sine > 0.0 && sine < 1.0 && places_outside).then(|| Self {
@@ -101,6 +104,6 @@ impl Enclosure {
 }
 
 /// The upright parts of a solid.
-pub fn prisms(solid: &clearway_geometry::Solid, pose: &clearway_geometry::Pose) -> impl Iterator<Item = Prism> {
+pub fn prisms(solid: &Solid, pose: &Pose) -> impl Iterator<Item = Prism> {
     solid.parts.iter().filter_map(move |(part, convex)| Prism::of(convex, &(*pose * *part)))
 }

@@ -15,6 +15,7 @@ mod packing;
 mod planar;
 
 use crate::order::{self, Barrier};
+use crate::ordered::Ordered;
 use clearway_geometry::Vec2;
 use clearway_plan::proof::{self, BarriersProof, ChainLink};
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
@@ -138,9 +139,9 @@ impl Chains {
             // By body and parity: the cheapest way there, and its last step: from where, and over which neighbour.
             let mut known: Vec<(f64, usize, usize)> = vec![(f64::INFINITY, 0, 0); 2 * self.bodies.len()];
             known[2 * first].0 = 0.0;
-            let mut queue = BinaryHeap::from([(Reverse(Cost(0.0)), 2 * first)]);
+            let mut queue = BinaryHeap::from([(Reverse(Ordered(0.0)), 2 * first)]);
             let most = best.as_ref().map_or(f64::INFINITY, |b| b.0);
-            while let Some((Reverse(Cost(cost)), state)) = queue.pop() {
+            while let Some((Reverse(Ordered(cost)), state)) = queue.pop() {
                 if state == 2 * first + 1 || cost >= most {
                     break;
                 }
@@ -152,7 +153,7 @@ impl Chains {
                     let cost = cost + price(next.body);
                     if cost < known[to].0 {
                         known[to] = (cost, state, index);
-                        queue.push((Reverse(Cost(cost)), to));
+                        queue.push((Reverse(Ordered(cost)), to));
                     }
                 }
             }
@@ -185,22 +186,4 @@ fn between(a: &Rounded, b: &Rounded, reach: f64) -> Option<Vec2> {
 /// Whether the segment crosses the ray from `from` along x.
 fn crosses_ray(from: Vec2, a: Vec2, b: Vec2) -> bool {
     (a.y > from.y) != (b.y > from.y) && a.x + (b.x - a.x) * (from.y - a.y) / (b.y - a.y) > from.x
-}
-
-/// In a heap.
-#[derive(PartialEq)]
-struct Cost(f64);
-
-impl Eq for Cost {}
-
-impl PartialOrd for Cost {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Cost {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
 }

@@ -1,6 +1,7 @@
 //! What stands upright, seen from above: convex outlines with round edges.
 
-use clearway_geometry::{Convex, Pose, Vec2, Vec3};
+use clearway_geometry::footprint::nearest_on_segment;
+use clearway_geometry::{Convex, Pose, Vec2};
 
 /// How far from vertical an axis may point: rounding.
 const UPRIGHT: f64 = 1e-6;
@@ -33,16 +34,15 @@ impl Prism {
                 let up = (0..3).find(|&i| axis(i))?;
                 let (a, b) = ((up + 1) % 3, (up + 2) % 3);
                 let side = |i: usize| (pose.rotation.col(i) * half[i]).truncate();
-                let at = |s: f64, t: f64| pose.translation.truncate() + side(a) * s + side(b) * t;
-                let mut corners = vec![at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)];
+                let mut outline = Rounded::rectangle(pose.translation.truncate(), side(a), side(b));
                 if pose.rotation.col(up).z < 0.0 {
-                    corners.reverse();
+                    outline.corners.reverse();
                 }
-                (Rounded { corners, radius: 0.0 }, half[up])
+                (outline, half[up])
             }
             _ => return None,
         };
-        let Vec3 { z, .. } = pose.translation;
+        let z = pose.translation.z;
         Some(Self { outline, bottom: z - half, top: z + half })
     }
 
@@ -50,12 +50,18 @@ impl Prism {
     pub fn inscribed(&self) -> (Vec2, f64) {
         let centre = self.outline.centre();
         let sides = self.outline.sides().filter(|(p, q)| p != q);
-        let least = sides.map(|(p, q)| point_to_segment(centre, p, q).distance(centre)).reduce(f64::min);
+        let least = sides.map(|(p, q)| nearest_on_segment(centre, p, q).distance(centre)).reduce(f64::min);
         (centre, self.outline.radius + least.unwrap_or(0.0))
     }
 }
 
 impl Rounded {
+    /// A rectangle; `along` and `across` lead from its middle to that of a side, a quarter turn to the left of each other.
+    pub fn rectangle(middle: Vec2, along: Vec2, across: Vec2) -> Self {
+        let corners = vec![middle - along - across, middle + along - across, middle + along + across, middle - along + across];
+        Self { corners, radius: 0.0 }
+    }
+
     pub fn centre(&self) -> Vec2 {
         self.corners.iter().sum::<Vec2>() / self.corners.len() as f64
     }
@@ -76,7 +82,7 @@ impl Rounded {
             return (common, common);
         }
         let of = |a: &Rounded, b: &Rounded| -> Option<(f64, Vec2, Vec2)> {
-            let pairs = a.corners.iter().flat_map(|&p| b.sides().map(move |(q, r)| (p, point_to_segment(p, q, r))));
+            let pairs = a.corners.iter().flat_map(|&p| b.sides().map(move |(q, r)| (p, nearest_on_segment(p, q, r))));
             pairs.map(|(p, q)| (p.distance_squared(q), p, q)).min_by(|x, y| x.0.total_cmp(&y.0))
         };
         match (of(self, other), of(other, self)) {
@@ -117,12 +123,6 @@ impl Rounded {
         }
         (!corners.is_empty()).then_some(Rounded { corners, radius: self.radius })
     }
-}
-
-fn point_to_segment(p: Vec2, a: Vec2, b: Vec2) -> Vec2 {
-    let along = b - a;
-    let length = along.length_squared();
-    a + along * if length > 0.0 { ((p - a).dot(along) / length).clamp(0.0, 1.0) } else { 0.0 }
 }
 
 fn crossing((a, b): (Vec2, Vec2), (p, q): (Vec2, Vec2)) -> Option<Vec2> {

@@ -1,6 +1,6 @@
 //! Where to look: which object, taken away, is most worth it while the target is not seen.
 
-use clearway_geometry::{Pose, Solid, Vec3, ray};
+use clearway_geometry::{Convex, Pose, Solid, Vec3, ray};
 use clearway_plan::{ObjectId, ObjectSet};
 use clearway_scene::{NOISE, Scene};
 use clearway_sight::{Region, View, seen::ENOUGH};
@@ -21,14 +21,6 @@ pub enum Rule {
 
 impl Rule {
     pub const ALL: [Rule; 3] = [Rule::Expected, Rule::Farthest, Rule::Largest];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Rule::Expected => "expected",
-            Rule::Farthest => "farthest",
-            Rule::Largest => "largest",
-        }
-    }
 }
 
 /// Between places that are tried for the target, metres.
@@ -44,7 +36,6 @@ const UP: [f64; 4] = [-0.9, -0.3, 0.3, 0.9];
 /// Somewhere the target could be.
 #[derive(Clone, Debug)]
 pub struct Place {
-    pub at: Vec3,
     /// Rid of these it would be in view; nothing, when no removal helps.
     pub behind: Option<ObjectSet>,
     /// Removals before it is in view, those of objects not known as yet estimated.
@@ -107,7 +98,7 @@ impl Guess<'_> {
             let at = Vec3::new(x0 + i as f64 * grid, y0 + j as f64 * grid, z);
             if self.is_free(at, radius, half.z) && self.is_carried(at) {
                 if let Some(behind) = self.behind(at, radius, half.z, enough, standing) {
-                    places.push(Place { at, behind, removals: behind.map_or(0.0, |b| self.removals(at, &b)) });
+                    places.push(Place { behind, removals: behind.map_or(0.0, |b| self.removals(at, &b)) });
                 }
             }
         }
@@ -213,8 +204,8 @@ impl Guess<'_> {
 }
 
 /// Of a hull, cubic metres.
-fn volume(convex: &clearway_geometry::Convex) -> f64 {
-    let clearway_geometry::Convex::Hull(hull) = convex else { return 0.0 };
+fn volume(convex: &Convex) -> f64 {
+    let Convex::Hull(hull) = convex else { return 0.0 };
     let corner = |i: u32| hull.points[i as usize];
     hull.triangles.iter().map(|[a, b, c]| corner(*a).dot(corner(*b).cross(corner(*c))) / 6.0).sum::<f64>().abs()
 }

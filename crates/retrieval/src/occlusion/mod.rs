@@ -18,7 +18,8 @@ use clearway_plan::event::Observer;
 use clearway_plan::plan_file::{Known, PlanFile, Stats, Status, Step, Timing};
 use clearway_plan::{ObjectId, ObjectSet, Stop};
 use clearway_scene::{Fixture, Hidden, Object, Scene};
-use clearway_sight::{Region, View};
+use clearway_sight::shadow::{Begins, shadow};
+use clearway_sight::{BEHIND, Region, View};
 use guess::{Guess, Rule};
 use std::sync::Arc;
 use std::time::Instant;
@@ -329,9 +330,8 @@ impl Dialogue {
             }
         }
         for (index, object) in scene.objects.iter().enumerate() {
-            use clearway_sight::shadow::{Begins, shadow};
             let of = |begins: Begins| shadow(&self.view, &self.region, &object.solid, &object.pose, begins);
-            let (space, beyond) = (of(Begins::Middle), of(Begins::Behind(clearway_sight::BEHIND)));
+            let (space, beyond) = (of(Begins::Middle), of(Begins::Behind(BEHIND)));
             scene.hidden.push(Hidden { behind: ObjectId(index as u16), space, beyond, glimpsed: false });
         }
         for (behind, space) in &self.hidden {
