@@ -77,6 +77,9 @@ pub struct PlanArgs {
     /// How the retrieval graph is searched; default: exact, greedy with --paper.
     #[arg(long, value_enum)]
     pub search: Option<SearchKind>,
+    /// A mobile base stays where it starts.
+    #[arg(long)]
+    pub fixed_base: bool,
     /// For scenes with a camera: behind which object within reach to look while the target is not seen.
     #[arg(long, value_enum, default_value = "expected")]
     pub look: LookKind,
@@ -125,14 +128,18 @@ pub struct ExplainArgs {
 pub struct GenerateArgs {
     #[arg(value_enum)]
     pub kind: Kind,
-    /// Default: 12, or 100 for `large`.
+    /// Default: 12, 100 for `large`, 20 for `table`.
     #[arg(long)]
     pub objects: Option<usize>,
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Reject scenes in which fewer objects suffice, the target counted. Default: 2, or 10 for `large`.
+    /// Reject scenes in which fewer objects suffice, the target counted. Default: 2, 10 for `large`, 1 for `table`.
     #[arg(long, value_name = "N")]
     pub least_removals: Option<usize>,
+    /// For `table`: only scenes in which driving helps: two or more have to be removed besides the target from
+    /// where the base starts, one from another side.
+    #[arg(long)]
+    pub contrast: bool,
     /// Where to write the scene; default: stdout.
     #[arg(short, long, value_name = "SCENE")]
     pub output: Option<PathBuf>,
@@ -144,6 +151,8 @@ pub enum Kind {
     Shelf,
     /// Many slender cylinders in a wide cabinet.
     Large,
+    /// Cylinders on a table, the target in their middle, a PR2 at one side.
+    Table,
     /// A shelf whose objects hide each other and the target from a camera; a UR10 with a suction cup.
     Occluded,
 }

@@ -67,6 +67,7 @@ fn shelf(height: f64, depth: f64, target: [f64; 2], others: &[[f64; 2]]) -> Scen
         workspace: None,
         exit: None,
         camera: None,
+        weights: Default::default(),
     }
 }
 

@@ -24,7 +24,7 @@ mod report;
 mod suspects;
 mod world;
 
-pub use model::CollisionModel;
+pub use model::{CollisionModel, Standing};
 pub use moment::{Held, Lean, Moment};
 pub use obstacle::Obstacle;
 pub use pairs::unchecked_pairs;

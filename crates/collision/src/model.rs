@@ -5,7 +5,7 @@ use crate::obstacle::MovingPart;
 use crate::query::SELF_MARGIN;
 use crate::world::moving_parts;
 use clearway_geometry::{Convex, Solid};
-use clearway_robot::{Group, JointKind, Kinematics, Robot, Sphere, bounding_sphere, cover};
+use clearway_robot::{Group, JointKind, Kinematics, Reachability, Robot, Sphere, bounding_sphere, cover};
 use std::sync::Arc;
 
 /// A link's shapes, in its own frame.
@@ -40,6 +40,15 @@ pub struct CollisionModel {
     /// The robot's joints as a group, and its links covered by spheres, for quick answers.
     pub group: Group,
     pub kernel: Arc<Kernel>,
+    /// For a base that drives: the robot while it stands.
+    pub standing: Option<Arc<Standing>>,
+}
+
+/// A robot whose base drives, at a stop: its base is its root, and only its arm moves.
+#[derive(Clone, Debug)]
+pub struct Standing {
+    pub model: Arc<CollisionModel>,
+    pub reachability: Reachability,
 }
 
 /// A hull of more corners than this is asked only where spheres that cover it are near.
@@ -81,7 +90,12 @@ impl CollisionModel {
         let tool_reach = reach(&robot, &kinematics, robot.hand.frame, 0.0);
         let group = Group::from(&*robot);
         let kernel = Arc::new(kernel(&robot, &group, &pairs));
-        Self { robot, kinematics, links, pairs, unchecked, link_reach, tool_reach, group, kernel }
+        let standing = robot.standing().map(|standing| {
+            let model = Arc::new(CollisionModel::new(Arc::new(standing)));
+            let reachability = Reachability::of(&model.kinematics, &model.robot.lower, &model.robot.upper);
+            Arc::new(Standing { model, reachability })
+        });
+        Self { robot, kinematics, links, pairs, unchecked, link_reach, tool_reach, group, kernel, standing }
     }
 
     /// The kernel of the robot with something in its hand: parts in the tool's frame.

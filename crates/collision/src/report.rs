@@ -17,6 +17,15 @@ pub enum Contact {
     Object { link: String, object: String },
 }
 
+impl Contact {
+    /// What the link touches, by name.
+    pub fn other(self) -> String {
+        match self {
+            Contact::Links(_, other) | Contact::Fixture { fixture: other, .. } | Contact::Object { object: other, .. } => other,
+        }
+    }
+}
+
 impl fmt::Display for Contact {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

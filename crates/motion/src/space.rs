@@ -19,6 +19,7 @@ pub struct Space<'a> {
     quick: Option<Quick>,
     suspects: Suspects,
     row: Posture,
+    within: (&'a [f64], &'a [f64]),
 }
 
 /// Samples per radian that quick answers are asked with.
@@ -26,7 +27,7 @@ const PER_RADIAN: f64 = 32.0;
 
 impl<'a> Space<'a> {
     pub fn new(world: &'a World, moment: &'a Moment, step: f64) -> Self {
-        Self { world, moment, step, scratch: Scratch::default(), slack: Slack::default(), queue: VecDeque::new(), quick: None, suspects: Suspects::default(), row: Posture::new() }
+        Self { world, moment, step, scratch: Scratch::default(), slack: Slack::default(), queue: VecDeque::new(), quick: None, suspects: Suspects::default(), row: Posture::new(), within: (&world.model.robot.lower, &world.model.robot.upper) }
     }
 
     /// The same, with the kernel asked first, if it knows what is held; worth its making for more
@@ -34,6 +35,13 @@ impl<'a> Space<'a> {
     pub fn quick(world: &'a World, moment: &'a Moment, step: f64) -> Self {
         let known = moment.held.as_ref().is_none_or(|held| held.kernel.is_some());
         Self { quick: known.then(|| Quick::new(world, moment)), ..Self::new(world, moment, step) }
+    }
+
+    /// Samples are drawn from between these, rather than from the joints' whole ranges.
+    #[must_use]
+    pub fn within(mut self, bounds: Option<(&'a [f64], &'a [f64])>) -> Self {
+        self.within = bounds.unwrap_or(self.within);
+        self
     }
 
     /// How many postures were checked so far.
@@ -209,11 +217,11 @@ impl<'a> Space<'a> {
 
 impl MotionValidator for Space<'_> {
     fn lower(&self) -> &[f64] {
-        &self.world.model.robot.lower
+        self.within.0
     }
 
     fn upper(&self) -> &[f64] {
-        &self.world.model.robot.upper
+        self.within.1
     }
 
     fn state_free(&mut self, q: &[f64]) -> bool {
@@ -236,11 +244,11 @@ pub struct Surely<'s, 'a>(pub &'s mut Space<'a>);
 
 impl MotionValidator for Surely<'_, '_> {
     fn lower(&self) -> &[f64] {
-        &self.0.world.model.robot.lower
+        self.0.within.0
     }
 
     fn upper(&self) -> &[f64] {
-        &self.0.world.model.robot.upper
+        self.0.within.1
     }
 
     fn state_free(&mut self, q: &[f64]) -> bool {

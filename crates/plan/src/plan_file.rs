@@ -51,6 +51,28 @@ impl PlanFile {
         self.steps.iter().flat_map(|s| &s.segments).filter_map(|s| s.times.last()).sum()
     }
 
+    /// Where a mobile base drives, in order: between stops, whatever is stopped at in between.
+    pub fn drives(&self) -> Vec<Drive> {
+        let column = |name: &String| self.robot.joints.iter().position(|j| j == name);
+        let columns: Option<Vec<usize>> = self.robot.base_joints.iter().map(column).collect();
+        let Some(&[x, y, yaw]) = columns.as_deref() else { return Vec::new() };
+        let mut drives = Vec::new();
+        for (index, step) in self.steps.iter().enumerate() {
+            for segment in &step.segments {
+                let at = |row: Option<&Vec<f64>>| {
+                    let value = |i: usize| row.and_then(|r| r.get(i)).copied().unwrap_or_default();
+                    [value(x), value(y), value(yaw)]
+                };
+                let (from, to) = (at(segment.positions.first()), at(segment.positions.last()));
+                if from != to {
+                    let seconds = segment.times.last().copied().unwrap_or_default();
+                    drives.push(Drive { step: index, from, to, seconds, carrying: segment.attached.is_some() });
+                }
+            }
+        }
+        drives
+    }
+
     /// A file for a scene that has no plan; everything but the scene is empty.
     pub fn unsolved(scene: SceneFile) -> Self {
         Self {
@@ -81,6 +103,18 @@ pub enum Status {
     OutOfBudget,
 }
 
+/// A mobile base's way from one stop to another: values of its joints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drive {
+    /// From 0.
+    pub step: usize,
+    pub from: [f64; 3],
+    pub to: [f64; 3],
+    pub seconds: f64,
+    /// With the object in hand.
+    pub carrying: bool,
+}
+
 /// The robot as planned for.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct PlannedRobot {
@@ -88,6 +122,9 @@ pub struct PlannedRobot {
     pub urdf: String,
     /// The columns of every segment's `positions`.
     pub joints: Vec<String>,
+    /// Those of them that drive a mobile base: x, y, yaw.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "null_is_default")]
+    pub base_joints: Vec<String>,
     /// The link that `pose_in_tool` is seen from.
     pub tool: String,
     /// Joints not in `joints`, held at these values.
@@ -319,6 +356,21 @@ pub struct Why {
     pub summary: String,
     #[serde(default, deserialize_with = "null_is_default")]
     pub objects: Vec<ObjectWhy>,
+    /// For a failure with a mobile base: the sides from which the target could be reached.
+    #[serde(default, deserialize_with = "null_is_default", skip_serializing_if = "Vec::is_empty")]
+    pub sides: Vec<SideWhy>,
+}
+
+/// Where a mobile base would have to stand to reach the target from one side.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
+pub struct SideWhy {
+    /// The direction from the target, from the world's x to the left, radians.
+    pub bearing: f64,
+    /// Placements drawn there, and those of them at which the robot can stand.
+    pub tried: usize,
+    pub free: usize,
+    /// What the robot meets at the others, the most frequent first.
+    pub blocked_by: Vec<String>,
 }
 
 /// What was learned about taking one object.

@@ -39,6 +39,49 @@ pub struct SceneFile {
     /// Makes the scene partly observed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
+    /// What a plan with a mobile base costs.
+    #[serde(default, skip_serializing_if = "Weights::is_default")]
+    pub weights: Weights,
+}
+
+/// What a plan with a mobile base costs: the least sum is looked for. By default removals count first,
+/// then moves of the base, then time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Weights {
+    /// For each object removed, the target included.
+    #[serde(default = "Weights::removal")]
+    pub removal: f64,
+    /// For each move of the base from one stop to another.
+    #[serde(default = "Weights::base_move")]
+    pub base_move: f64,
+    /// For each second of driving.
+    #[serde(default = "Weights::second")]
+    pub second: f64,
+}
+
+impl Weights {
+    fn removal() -> f64 {
+        10_000.0
+    }
+
+    fn base_move() -> f64 {
+        100.0
+    }
+
+    fn second() -> f64 {
+        1.0
+    }
+
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Self { removal: Self::removal(), base_move: Self::base_move(), second: Self::second() }
+    }
 }
 
 fn world() -> String {

@@ -6,7 +6,9 @@
 //! result has been checked again with what was there at that time.
 
 use crate::grasps::Grasp;
+use crate::mobile::Base;
 use crate::place;
+use crate::stand::Stand;
 use crate::ways::Way;
 use clearway_collision::{Held, Lean, Moment, Obstacle, Scratch, Touch, World};
 use clearway_geometry::{Mat3, Pose, Vec2, Vec3};
@@ -84,9 +86,22 @@ impl Default for Settings {
 /// What is the case before a step.
 #[derive(Clone, Debug)]
 pub struct Situation {
+    /// Which of the stands the robot is at.
+    pub stand: usize,
+    /// The values of a mobile base's joints there, turns included; none for a base that does not drive.
+    pub base: Vec<f64>,
+    /// Of the arm.
     pub posture: Posture,
     pub standing: ObjectSet,
-    pub placed: Vec<(ObjectId, Arc<Obstacle>)>,
+    /// World from object.
+    pub placed: Vec<(ObjectId, Pose)>,
+}
+
+impl Situation {
+    /// What was put down, as it is for a robot in this world.
+    pub(crate) fn placed(&self, world: &World) -> Vec<(ObjectId, Arc<Obstacle>)> {
+        self.placed.iter().map(|(object, pose)| (*object, world.placed(*object, &(world.root_from_world * *pose)))).collect()
+    }
 }
 
 /// A step carried out.
@@ -109,6 +124,10 @@ pub struct Obstruction {
 /// Everything a motion is planned with.
 pub struct Carrier<'a, R: Rng> {
     pub world: &'a World,
+    /// As in a [`Situation`]: they go before the arm's in every row.
+    pub base: Vec<f64>,
+    /// Motions keep to these values of the joints.
+    pub within: Option<(&'a [f64], &'a [f64])>,
     pub scene: &'a Scene,
     pub inverse: &'a InverseKinematics,
     pub settings: &'a Settings,
@@ -120,7 +139,7 @@ pub struct Carrier<'a, R: Rng> {
 /// What is held counts as resting up to this height above where it stood, metres.
 const RESTING: f64 = 0.008;
 
-type Attempt<T> = Result<Result<T, Obstruction>, Stop>;
+pub(crate) type Attempt<T> = Result<Result<T, Obstruction>, Stop>;
 
 /// `?` for an attempt: passes an obstruction on as a value.
 macro_rules! attempt {
@@ -130,6 +149,24 @@ macro_rules! attempt {
             Err(obstruction) => return Ok(Err(obstruction)),
         }
     };
+}
+
+/// Other stands that something can be brought to, and what drives there.
+pub struct Elsewhere<'a> {
+    pub(crate) base: &'a Base,
+    pub(crate) stands: &'a [Stand],
+    /// Those with places in reach, the best first.
+    pub(crate) order: Vec<usize>,
+}
+
+/// An object brought to above its spot.
+struct Brought {
+    /// Rows with the base's values.
+    across: Vec<Timed>,
+    placement: Placement,
+    /// Where the robot is then.
+    stand: usize,
+    base: Vec<f64>,
 }
 
 /// Where an object goes, and how the hand gets there and away.
@@ -146,15 +183,24 @@ struct Placement {
 }
 
 impl<R: Rng> Carrier<'_, R> {
-    /// Takes an object along a way, puts it down, and comes back; home as well after the last.
-    pub fn take(&mut self, object: ObjectId, grasp: &Grasp, way: &Way, before: &Situation, last: bool) -> Attempt<Carried> {
+    /// Takes an object along a way, puts it down, and comes back; home as well after the last. Where there is
+    /// no spot within reach, it is brought to one `elsewhere`, if the base drives.
+    pub fn take(
+        &mut self,
+        object: ObjectId,
+        grasp: &Grasp,
+        way: &Way,
+        before: &Situation,
+        last: bool,
+        elsewhere: Option<&Elsewhere>,
+    ) -> Attempt<Carried> {
         let world = self.world;
         let Some(entry) = way.postures.last().cloned() else {
             return obstructed("the way is empty", ObjectSet::EMPTY);
         };
         let open = world.model.robot.hand.open();
         let mut free = Moment::new(before.standing, open, self.settings.margin);
-        free.placed = before.placed.clone();
+        free.placed = before.placed(world);
 
         // To the object: free to the way's outer end, then along it.
         let mut there = attempt!(self.free_motion(&free, &before.posture, std::slice::from_ref(&entry), "the motion to where the hand goes in"));
@@ -175,43 +221,226 @@ impl<R: Rng> Carrier<'_, R> {
             Touch::Fixed => return obstructed("closing the hand", ObjectSet::EMPTY),
         }
 
-        // Out with it and to a spot.
+        // Out with it and to a spot, here or elsewhere.
         let mut carrying = Moment::new(before.standing.difference(ObjectSet::of(object)), grasp.closed, self.settings.margin);
-        carrying.placed = world.with_unseen(before.placed.clone(), object);
-        let placement = attempt!(self.place(object, grasp, &entry, &carrying));
-        let (fixtures, objects) = world.carriers[object.index()].clone();
-        let mut held = placement.held.clone();
-        held.fixtures_below.extend(fixtures);
-        held.objects_below = held.objects_below.union(objects);
-        carrying.held = Some(held);
-        carrying.margin = self.settings.final_margin;
-        carrying.held_margin = self.settings.final_held_margin;
-        let mut across = way.postures.clone();
-        across.extend(placement.transfer.iter().skip(1).cloned());
-        across.extend(placement.lower.iter().skip(1).cloned());
-        let across = attempt!(self.timed(&carrying, &across, Some(self.settings.lower_from), "the transfer"));
+        carrying.placed = world.with_unseen(free.placed, object);
+        let Brought { across, placement, stand, base } = match (self.place(object, grasp, &entry, &carrying)?, elsewhere) {
+            (Ok(placement), _) => {
+                let mut path = way.postures.clone();
+                path.extend(placement.transfer.iter().skip(1).cloned());
+                path.extend(placement.lower.iter().skip(1).cloned());
+                let mut moment = self.ready_to_carry(object, &carrying, &placement.held);
+                moment.margin = self.settings.final_margin;
+                moment.held_margin = self.settings.final_held_margin;
+                let timed = attempt!(self.timed(&moment, &path, Some(self.settings.lower_from), "the transfer"));
+                Brought { across: vec![self.widened(timed)], placement, stand: before.stand, base: self.base.clone() }
+            }
+            (Err(obstruction), None) => return Ok(Err(obstruction)),
+            (Err(_), Some(elsewhere)) => attempt!(self.bring(elsewhere, object, grasp, way, before, &carrying)),
+        };
 
         // Back, and home.
         let mut after = before.clone();
         after.standing.remove(object);
-        after.placed.push((object, world.placed(object, &placement.pose)));
-        let mut leaving = Moment::new(after.standing, open, self.settings.final_margin);
-        leaving.placed = world.with_unseen(after.placed.clone(), object);
+        (after.stand, after.base) = (stand, base.clone());
+        let mut there_now = match elsewhere.filter(|_| stand != before.stand) {
+            Some(elsewhere) => self.at(&elsewhere.stands[stand], base.clone()),
+            None => self.same(),
+        };
+        let world = there_now.world;
+        let world_from_object = world.world_from_root * placement.pose;
+        after.placed.push((object, world_from_object));
+        let mut leaving = Moment::new(after.standing, open, there_now.settings.final_margin);
+        leaving.placed = world.with_unseen(after.placed(world), object);
         leaving.gripping = Some(object);
         let mut back = placement.back;
-        let retreat_end = back.last().cloned().unwrap_or_else(|| across_end(&across));
+        let let_go = across.last().and_then(|t| t.positions.last()).map_or(Posture::new(), |row| row[base.len()..].to_vec());
+        let retreat_end = back.last().cloned().unwrap_or_else(|| let_go.clone());
         if last {
             let mut home = leaving.clone();
             home.gripping = None;
-            home.margin = self.settings.margin;
-            let rest = attempt!(self.free_motion(&home, &retreat_end, std::slice::from_ref(&world.model.robot.home), "the motion home"));
+            home.margin = there_now.settings.margin;
+            let rest = attempt!(there_now.free_motion(&home, &retreat_end, std::slice::from_ref(&world.model.robot.home), "the motion home"));
             back.extend(rest.into_iter().skip(1));
         }
-        let back = attempt!(self.timed(&leaving, &back, None, "the retreat"));
+        let back = attempt!(there_now.timed(&leaving, &back, None, "the retreat"));
         after.posture = back.positions.last().cloned().unwrap_or(retreat_end);
+        let leaving = there_now.leaving_segments(&let_go, grasp, back);
 
-        let step = self.step(object, grasp, &placement.pose, there, across, back);
+        let mut segments = self.taking_segments(object, grasp, there, across);
+        segments.extend(leaving);
+        let placed = written(&world_from_object);
+        let step = Step { object: self.scene.names[object.index()].clone(), action: Action::PickPlace, segments, placed };
         Ok(Ok(Carried { step, after, way_blocked_by: way.blocked_by }))
+    }
+
+    /// The moment in which an object is carried from where it stood: what carried it may be touched as long as
+    /// it rests.
+    fn ready_to_carry(&self, object: ObjectId, carrying: &Moment, held: &Held) -> Moment {
+        let (fixtures, objects) = self.world.carriers[object.index()].clone();
+        let mut held = held.clone();
+        held.fixtures_below.extend(fixtures);
+        held.objects_below = held.objects_below.union(objects);
+        Moment { held: Some(held), ..carrying.clone() }
+    }
+
+    /// The same, as another borrower.
+    pub(crate) fn same(&mut self) -> Carrier<'_, R> {
+        Carrier {
+            world: self.world,
+            base: self.base.clone(),
+            within: self.within,
+            scene: self.scene,
+            inverse: self.inverse,
+            settings: self.settings,
+            random: &mut *self.random,
+            budget: self.budget,
+            trees: &mut *self.trees,
+        }
+    }
+
+    /// The same at another stand.
+    fn at<'b>(&'b mut self, stand: &'b Stand, base: Vec<f64>) -> Carrier<'b, R> {
+        Carrier { world: &stand.world, base, ..self.same() }
+    }
+
+    /// Brings an object that hangs on to a way's end to another stand, and to above a spot there.
+    fn bring(&mut self, elsewhere: &Elsewhere, object: ObjectId, grasp: &Grasp, way: &Way, before: &Situation, carrying: &Moment) -> Attempt<Brought> {
+        /// Postures to drive in that are tried, and stands for each.
+        const POSTURES: usize = 3;
+        const STANDS: usize = 4;
+        let world = self.world;
+        let mut held = world.in_hand(object, &grasp.object_from_tool);
+        held.kernel = Some(world.model.holding(&held.solid()));
+        let mut hanging = carrying.clone();
+        hanging.held = Some(held.clone());
+        let mut failed = Obstruction { what: "no spot is left on the places that the hand can reach with the object", blamed: ObjectSet::EMPTY };
+        let entry = way.postures.last().cloned().unwrap_or_default();
+        for tucked in self.driving_postures(grasp, &hanging, &entry).into_iter().take(POSTURES) {
+            self.budget.check()?;
+            let mut out = match self.level_motion(&hanging, &entry, &tucked, "drawing in what is carried")? {
+                Ok(out) => out,
+                Err(obstruction) => {
+                    failed = obstruction;
+                    continue;
+                }
+            };
+            for &stand in elsewhere.order.iter().take(STANDS) {
+                let there = &elsewhere.stands[stand];
+                let mut carrying = Moment::new(carrying.standing, grasp.closed, self.settings.margin);
+                carrying.placed = before.placed(&there.world);
+                let placement = match self.at(there, Vec::new()).place(object, grasp, &tucked, &carrying)? {
+                    Ok(placement) => placement,
+                    Err(obstruction) => {
+                        failed = obstruction;
+                        continue;
+                    }
+                };
+                let drive = match elsewhere.base.drive(self, before, &there.placement, &tucked, Some((object, grasp)))? {
+                    Ok(drive) => drive,
+                    Err(obstruction) => {
+                        failed = obstruction;
+                        continue;
+                    }
+                };
+                let mut lifting = self.ready_to_carry(object, &hanging, &held);
+                lifting.margin = self.settings.final_margin;
+                lifting.held_margin = self.settings.final_held_margin;
+                let mut path = way.postures.clone();
+                path.extend(out.drain(1..));
+                let out = attempt!(self.timed(&lifting, &path, Some(self.settings.lower_from), "the transfer"));
+                let out = self.widened(out);
+                let mut lowering = carrying.clone();
+                lowering.held = Some(placement.held.clone());
+                lowering.margin = self.settings.final_margin;
+                lowering.held_margin = self.settings.final_held_margin;
+                let mut path = placement.transfer.clone();
+                path.extend(placement.lower.iter().skip(1).cloned());
+                let base: Vec<f64> = drive.positions.last().map_or(Vec::new(), |row| row[..self.base.len()].to_vec());
+                let lower_from = Some(self.settings.lower_from);
+                let mut other = self.at(there, base.clone());
+                let down = attempt!(other.timed(&lowering, &path, lower_from, "the transfer"));
+                let down = other.widened(down);
+                return Ok(Ok(Brought { across: vec![out, drive, down], placement, stand, base }));
+            }
+        }
+        Ok(Err(failed))
+    }
+
+    /// Postures that hold what hangs in the hand upright and near, those that reach out least first.
+    fn driving_postures(&self, grasp: &Grasp, hanging: &Moment, entry: &Posture) -> Vec<Posture> {
+        const OUT: [f64; 5] = [0.3, 0.4, 0.5, 0.6, 0.75];
+        const BEARINGS: usize = 12;
+        const RAISED: [f64; 2] = [0.05, 0.2];
+        let world = self.world;
+        let kinematics = &world.model.kinematics;
+        let up = world.up();
+        let tool = kinematics.tool(entry, hanging.hand);
+        let pointing = tool.rotation.z_axis;
+        let height = up * tool.translation.dot(up);
+        let mut space = Space::quick(world, hanging, self.settings.step);
+        let mut frames = Vec::new();
+        let mut found: Vec<(f64, Posture)> = Vec::new();
+        for out in OUT {
+            for bearing in 0..BEARINGS {
+                let bearing = std::f64::consts::TAU * bearing as f64 / BEARINGS as f64;
+                let away = world.root_from_world.rotation * Vec3::new(bearing.cos(), bearing.sin(), 0.0);
+                for aside in [0.0, 0.8, -0.8] {
+                    let pointing_at = pointing.truncate().to_angle();
+                    let turn = Mat3::from_axis_angle(up, away.truncate().to_angle() + aside - pointing_at);
+                    for raised in RAISED {
+                        let at = Pose::new(turn * tool.rotation, height + up * raised + away * out);
+                        let near = self.inverse.solve(&at, entry);
+                        let off = |q: &Posture| distance(q, entry);
+                        let Some(q) = near.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))) else { continue };
+                        if !space.free(&q) {
+                            continue;
+                        }
+                        kinematics.frames(&q, hanging.hand, &mut frames);
+                        let flat = |p: Vec3| (p - up * p.dot(up)).length();
+                        let links = world.model.links.iter().zip(&frames);
+                        let arm = links.filter_map(|(l, f)| l.as_ref().map(|l| flat(f.point(l.bound.centre)) + l.bound.radius));
+                        let carried = flat((frames[kinematics.tool] * grasp.object_from_tool.inverse()).translation);
+                        let held = hanging.held.as_ref().map_or(0.0, Held::radius);
+                        found.push((arm.fold(carried + held, f64::max) + 0.02 * distance(&q, entry), q));
+                    }
+                }
+            }
+            if found.len() >= 8 {
+                break;
+            }
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.into_iter().map(|(_, q)| q).collect()
+    }
+
+    /// To the resting posture, for a drive.
+    pub fn tuck(&mut self, before: &Situation) -> Attempt<Vec<Segment>> {
+        let world = self.world;
+        let home = &world.model.robot.home;
+        if before.posture == *home {
+            return Ok(Ok(Vec::new()));
+        }
+        let mut free = Moment::new(before.standing, world.model.robot.hand.open(), self.settings.margin);
+        free.placed = before.placed(world);
+        let path = attempt!(self.free_motion(&free, &before.posture, std::slice::from_ref(home), "the motion home, for driving"));
+        free.margin = self.settings.final_margin;
+        let timed = attempt!(self.timed(&free, &path, None, "the motion home, for driving"));
+        Ok(Ok(vec![self.transit(timed)]))
+    }
+
+    /// A motion with an open hand that is no approach and no retreat.
+    pub fn transit(&self, timed: Timed) -> Segment {
+        let open = self.world.model.robot.hand.open();
+        segment(SegmentKind::Transit, self.widened(timed), self.gripper(GripperValue::Held(open)), None)
+    }
+
+    /// The base's values before the arm's.
+    fn widened(&self, mut timed: Timed) -> Timed {
+        if !self.base.is_empty() {
+            timed.positions.iter_mut().for_each(|row| *row = self.base.iter().chain(row.iter()).copied().collect());
+        }
+        timed
     }
 
     /// What the robot touches while its hand turns from where a moment has it to another value: fingers may
@@ -232,21 +461,21 @@ impl<R: Rng> Carrier<'_, R> {
 
     /// A free motion, shortened. When none is found, a motion that may pass through objects tells
     /// which of them stand in the way.
-    fn free_motion(&mut self, moment: &Moment, start: &Posture, goals: &[Posture], what: &'static str) -> Attempt<Path> {
+    pub(crate) fn free_motion(&mut self, moment: &Moment, start: &Posture, goals: &[Posture], what: &'static str) -> Attempt<Path> {
         // Ends may be nearer to things than free motion likes to be; then it has to do with less.
         let mut near = moment.clone();
-        let mut space = Space::quick(self.world, moment, self.settings.step);
+        let mut space = Space::quick(self.world, moment, self.settings.step).within(self.within);
         if !space.free(start) || !goals.iter().any(|g| space.free(g)) {
             near.margin = self.settings.final_margin;
             near.held_margin = self.settings.final_held_margin;
-            space = Space::quick(self.world, &near, self.settings.step);
+            space = Space::quick(self.world, &near, self.settings.step).within(self.within);
         }
         if let Some(path) = self.connect(&mut space, start, goals, &[], self.settings.rrt.iterations)? {
             return Ok(Ok(path));
         }
         let mut relaxed = near.clone();
         relaxed.standing = ObjectSet::EMPTY;
-        let mut space = Space::quick(self.world, &relaxed, self.settings.step);
+        let mut space = Space::quick(self.world, &relaxed, self.settings.step).within(self.within);
         let Some(path) = self.connect(&mut space, start, goals, &[], self.settings.rrt.iterations)? else {
             return obstructed(what, ObjectSet::EMPTY);
         };
@@ -279,7 +508,7 @@ impl<R: Rng> Carrier<'_, R> {
 
     /// Smooths and times a path, and checks every row. `resting_within`: near the path's ends, by
     /// this much of the tool's way, what is held may rest on what carries it.
-    fn timed(&mut self, moment: &Moment, path: &Path, resting_within: Option<f64>, what: &'static str) -> Attempt<Timed> {
+    pub(crate) fn timed(&mut self, moment: &Moment, path: &Path, resting_within: Option<f64>, what: &'static str) -> Attempt<Timed> {
         let robot = &self.world.model.robot;
         let limits =
             Limits { velocity: robot.velocity.clone(), acceleration: robot.acceleration.clone(), jerk: robot.jerk.clone() };
@@ -477,7 +706,8 @@ impl<R: Rng> Carrier<'_, R> {
         None
     }
 
-    fn step(&self, object: ObjectId, grasp: &Grasp, placed: &Pose, there: Timed, across: Timed, back: Timed) -> Step {
+    /// To the object, the grasp, and away with it: the rows of `there` are the arm's alone.
+    fn taking_segments(&self, object: ObjectId, grasp: &Grasp, there: Timed, across: Vec<Timed>) -> Vec<Segment> {
         let robot = &self.world.model.robot;
         let standoff = robot.grasps.standoff;
         let (open, closed) = (robot.hand.open(), grasp.closed);
@@ -488,26 +718,30 @@ impl<R: Rng> Carrier<'_, R> {
             pose_in_tool: written(&grasp.object_from_tool.inverse()),
         };
         let gripped = there.positions.last().cloned().unwrap_or_default();
-        let let_go = across.positions.last().cloned().unwrap_or_default();
         let tool = |q: &Posture| self.world.model.kinematics.tool(q, open).translation;
         let mut segments = Vec::new();
         let begins = there.positions.iter().rposition(|q| tool(q).distance(tool(&gripped)) > standoff);
         let (transit, approach) = split(there, begins);
-        segments.extend(transit.map(|t| segment(SegmentKind::Transit, t, held(open), None)));
-        segments.extend(approach.map(|t| segment(SegmentKind::Approach, t, held(open), None)));
+        segments.extend(transit.map(|t| segment(SegmentKind::Transit, self.widened(t), held(open), None)));
+        segments.extend(approach.map(|t| segment(SegmentKind::Approach, self.widened(t), held(open), None)));
         segments.push(self.grip(SegmentKind::Grasp, &gripped, open, closed));
-        segments.push(segment(SegmentKind::Transfer, across, held(closed), Some(attached)));
-        segments.push(self.grip(SegmentKind::Release, &let_go, closed, open));
-        let ends = back.positions.iter().position(|q| tool(q).distance(tool(&let_go)) >= standoff - 1e-6);
+        segments.extend(across.into_iter().map(|t| segment(SegmentKind::Transfer, t, held(closed), Some(attached.clone()))));
+        segments
+    }
+
+    /// Letting go, and away from it.
+    fn leaving_segments(&self, let_go: &Posture, grasp: &Grasp, back: Timed) -> Vec<Segment> {
+        let robot = &self.world.model.robot;
+        let standoff = robot.grasps.standoff;
+        let open = robot.hand.open();
+        let tool = |q: &Posture| self.world.model.kinematics.tool(q, open).translation;
+        let mut segments = vec![self.grip(SegmentKind::Release, let_go, grasp.closed, open)];
+        let ends = back.positions.iter().position(|q| tool(q).distance(tool(let_go)) >= standoff - 1e-6);
         let (retreat, home) = split(back, ends);
-        segments.extend(retreat.map(|t| segment(SegmentKind::Retreat, t, held(open), None)));
-        segments.extend(home.map(|t| segment(SegmentKind::Transit, t, held(open), None)));
-        Step {
-            object: self.scene.names[object.index()].clone(),
-            action: Action::PickPlace,
-            segments,
-            placed: written(&(self.world.world_from_root * *placed)),
-        }
+        let away = |kind, t| segment(kind, self.widened(t), self.gripper(GripperValue::Held(open)), None);
+        segments.extend(retreat.map(|t| away(SegmentKind::Retreat, t)));
+        segments.extend(home.map(|t| away(SegmentKind::Transit, t)));
+        segments
     }
 
     /// The arm stands still while the hand's joint goes from one value to another.
@@ -524,7 +758,7 @@ impl<R: Rng> Carrier<'_, R> {
         values[0] = from;
         values[count] = to;
         let positions = vec![posture.clone(); times.len()];
-        segment(kind, Timed { times, positions }, self.gripper(GripperValue::Rows(values)), None)
+        segment(kind, self.widened(Timed { times, positions }), self.gripper(GripperValue::Rows(values)), None)
     }
 
     fn gripper(&self, value: GripperValue) -> BTreeMap<String, GripperValue> {
@@ -536,12 +770,8 @@ impl<R: Rng> Carrier<'_, R> {
     }
 }
 
-fn obstructed<T>(what: &'static str, blamed: ObjectSet) -> Attempt<T> {
+pub(crate) fn obstructed<T>(what: &'static str, blamed: ObjectSet) -> Attempt<T> {
     Ok(Err(Obstruction { what, blamed }))
-}
-
-fn across_end(timed: &Timed) -> Posture {
-    timed.positions.last().cloned().unwrap_or_default()
 }
 
 /// How far the object is turned about the vertical when put down, so that the hand points away

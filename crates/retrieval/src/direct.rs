@@ -80,7 +80,7 @@ impl Direct {
                 Some((most, more)) => more.is_some() && most < self.in_way(*o, *limit),
             };
             let Some(object) = Some(self.target).filter(shallow).or_else(|| found.iter().find(shallow)) else {
-                return Ok(Directly::Objects(self.arrange(arm, &found)));
+                return Ok(Directly::Objects(self.arrange(arm, &found, budget)?));
             };
             self.look(arm, object, *limit, budget)?;
         }
@@ -91,11 +91,14 @@ impl Direct {
         (0..self.looked.len()).filter(|&i| self.looked[i].is_some()).map(|i| ObjectId(i as u16))
     }
 
-    /// Nearest first, the target last.
-    fn arrange(&self, arm: &Feasibility, set: &ObjectSet) -> Vec<ObjectId> {
+    /// Nearest first, the target last; for a base that drives the order in which it drives least.
+    fn arrange(&self, arm: &mut Feasibility, set: &ObjectSet, budget: &Budget) -> Result<Vec<ObjectId>, Stop> {
+        if let Some(order) = arm.itinerary(&self.ways, set, budget)? {
+            return Ok(order);
+        }
         let at = |o: ObjectId| arm.scene.objects[o.index()].pose.translation.truncate();
         let from = |last: Option<ObjectId>| last.map_or(arm.base(), at);
-        order::arrange(&self.ways, set, |last, o| (o == self.target, at(o).distance(from(last))))
+        Ok(order::arrange(&self.ways, set, |last, o| (o == self.target, at(o).distance(from(last)))))
     }
 
     /// How many objects may stand in the way of an object in a sequence of at most `limit`.

@@ -83,6 +83,16 @@ impl Floor {
         floor
     }
 
+    /// For a base that drives: the roadmap spans the free space round the clutter as well (section V-B), so that
+    /// the target may leave on any side.
+    pub fn open_all_round(&mut self) {
+        let wider = 2.0 * self.radius;
+        for axis in 0..2 {
+            self.workspace.min[axis] = self.workspace.min[axis].min(self.clutter.min[axis] - wider);
+            self.workspace.max[axis] = self.workspace.max[axis].max(self.clutter.max[axis] + wider);
+        }
+    }
+
     /// Col(x).
     #[inline]
     pub fn collisions(&self, x: Vec2) -> ObjectSet {

@@ -9,6 +9,7 @@
 //! | [`graph`] | section IV-C, Algorithm 3, Figs. 4 to 6 |
 //! | [`feasibility`], and under it [`grasps`], [`ways`], [`carry`] | section IV-D |
 //! | [`planner`] | Algorithm 1 |
+//! | [`mobile`] | section V-B |
 //!
 //! Beyond the paper: `direct`, sequences along the arm's own ways; [`order`], the fewest removals when all ways
 //! are known; [`barriers`] and [`bound`], lower bounds and their
@@ -22,15 +23,17 @@ pub mod feasibility;
 pub mod floor;
 pub mod graph;
 pub mod grasps;
+pub mod mobile;
 pub mod occlusion;
 pub mod order;
 mod ordered;
 pub mod place;
 pub mod planner;
 pub mod roadmap;
+mod stand;
 mod trace;
 pub mod ways;
 
-pub use feasibility::{Feasibility, Unfit};
+pub use feasibility::{Feasibility, Taking, Unfit};
 pub use graph::Search;
 pub use planner::{Answer, FirstLimit, Planner, Request, SceneDelta, Settings};

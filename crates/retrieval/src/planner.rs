@@ -6,9 +6,9 @@
 
 use crate::carry;
 use crate::direct::{Direct, Directly};
-use crate::feasibility::{Ending, Feasibility, Journey, NoMotion, Unfit};
-use crate::floor::Floor;
+use crate::feasibility::{Ending, Feasibility, Journey, NoMotion, Taking, Unfit};
 use crate::graph::{RetrievalGraph, Search, Sequence};
+use crate::mobile;
 use crate::order::most_in_way;
 use crate::roadmap::{self, Roadmap};
 use crate::trace;
@@ -46,6 +46,7 @@ pub struct Settings {
     pub roadmap: roadmap::Settings,
     pub ways: ways::Settings,
     pub carry: carry::Settings,
+    pub mobile: mobile::Settings,
     /// Only the roadmap's ways to the target, not the arm's own; failures give the smallest
     /// blocking set only; sequences are taken as they are.
     pub as_in_paper: bool,
@@ -110,7 +111,7 @@ impl Planner {
 
     /// A session for one of several scenes with the same robot, which is made ready only once.
     pub fn with_model(scene: Scene, model: Arc<CollisionModel>, settings: Settings) -> Result<Self, Unfit> {
-        let arm = Feasibility::new(scene, model, settings.ways.clone(), settings.carry.clone())?;
+        let arm = Feasibility::new(scene, model, settings.ways.clone(), settings.carry.clone(), settings.mobile.clone())?;
         let (roadmap, graph) = (Roadmap::new(&arm.floor), new_graph(&arm.scene));
         Ok(Self { arm, settings, roadmap, graph })
     }
@@ -143,8 +144,7 @@ impl Planner {
 
     /// Another object is wanted. What is known of reaching each one stays.
     pub(crate) fn retarget(&mut self, target: ObjectId) {
-        self.arm.scene.target = target;
-        self.arm.floor = Floor::new(&self.arm.scene, self.arm.robot());
+        self.arm.retarget(target);
         self.begin_anew();
     }
 
@@ -172,7 +172,7 @@ impl Planner {
         stats.roadmap_nodes = self.roadmap.nodes.len();
         stats.retrieval_nodes = self.graph.len();
         stats.samples = self.roadmap.samples;
-        stats.grasps_tried = self.arm.ways.iter().flatten().map(|w| w.counts.total()).sum();
+        stats.grasps_tried = self.arm.stands.iter().flat_map(|s| s.ways.iter().flatten()).map(|w| w.counts.total()).sum();
         let (ending, sequence, stopped) = match outcome {
             Ok(Some(sequence)) => (Ending::Solved(sequence.objects.clone()), Some(sequence), None),
             Ok(None) => (Ending::Impossible, None, None),
@@ -191,8 +191,9 @@ impl Planner {
         let target = self.arm.scene.target;
         let count = self.arm.scene.objects.len();
         run.budget.check()?;
+        self.arm.choose_stops();
         if self.arm.minimal_sets(target, 0, &run.budget)?.is_empty()
-            && self.arm.ways_of(target).is_some_and(|w| w.ways.is_empty())
+            && self.arm.all_ways(target).all(|w| w.ways.is_empty())
             && self.arm.proved_out_of_reach(target, &run.budget)?
         {
             return Ok(None);
@@ -319,7 +320,7 @@ impl Planner {
                 self.blocked(object, removed, &sets, complete, run);
                 return Ok(Err(NoMotion { object, removed, blamed: sets }));
             };
-            needs.push((object, self.arm.ways_of(object).map_or(ObjectSet::EMPTY, |w| w.ways[first].blocked_by)));
+            needs.push((object, self.arm.way(object, first).map_or(ObjectSet::EMPTY, |w| w.blocked_by)));
             removed.insert(object);
         }
         // What none of the ways chosen needs may stay, unless its staying has failed already.
@@ -341,7 +342,7 @@ impl Planner {
     }
 
     /// A way that is free once `removed` is gone: straight out, or along the roadmap's route.
-    fn first_free_way(&mut self, object: ObjectId, removed: &ObjectSet, budget: &Budget) -> Result<Option<usize>, Stop> {
+    fn first_free_way(&mut self, object: ObjectId, removed: &ObjectSet, budget: &Budget) -> Result<Option<Taking>, Stop> {
         let free = self.arm.free_ways(object, removed, 1, budget)?;
         Ok(match free.first() {
             Some(first) => Some(*first),

@@ -4,9 +4,9 @@ use crate::carry::Carried;
 use crate::feasibility::{Ending, Feasibility};
 use crate::graph::{RetrievalGraph, Sequence};
 use crate::roadmap::Roadmap;
-use crate::ways::Stage;
+use crate::ways::{Stage, Ways};
 use clearway_plan::plan_file::{
-    GraphNodeTrace, GraphTrace, JointLimits, MeshFile, ObjectWhy, PlanFile, PlannedHand, PlannedRobot, RoadmapTrace, Stats,
+    GraphNodeTrace, GraphTrace, GraspCount, JointLimits, MeshFile, ObjectWhy, PlanFile, PlannedHand, PlannedRobot, RoadmapTrace, Stats,
     Status, Timing, Trace, Why,
 };
 use clearway_plan::object_set::one_of;
@@ -39,7 +39,7 @@ fn without_steps(arm: &Feasibility, status: Status) -> PlanFile {
         status,
         seed: 0,
         scene: arm.scene.file.clone(),
-        robot: planned_robot(&arm.world.model.robot, &arm.world.model.unchecked, &arm.scene),
+        robot: planned_robot(arm.robot(), &arm.model().unchecked, &arm.scene),
         removed: Vec::new(),
         lower_bound: None,
         steps: Vec::new(),
@@ -67,6 +67,7 @@ fn planned_robot(robot: &Robot, unchecked: &[[String; 2]], scene: &Scene) -> Pla
     PlannedRobot {
         urdf: robot.urdf_text.clone(),
         joints: robot.arm_names().into_iter().map(str::to_owned).collect(),
+        base_joints: robot.planar_base.iter().flatten().map(|&j| robot.joints[j].name.clone()).collect(),
         tool: robot.links[hand.frame].name.clone(),
         fixed: robot.fixed.clone(),
         home: by_joint(&robot.home),
@@ -174,7 +175,7 @@ fn why_solved(arm: &Feasibility, removed: &[ObjectId], carried: &[Carried]) -> W
         let before = removed.len() - 1;
         format!("`{target}` can be taken after {before} other object{}.", if before == 1 { "" } else { "s" })
     };
-    Why { summary, objects }
+    Why { summary, objects, sides: Vec::new() }
 }
 
 fn why_not(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'static str)>) -> Why {
@@ -192,12 +193,12 @@ fn why_not(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'
     if let Some((object, what)) = obstruction {
         summary.push_str(&format!(" The last motion that failed: {what}, for `{}`.", names[object.index()]));
     }
-    let objects = (0..arm.ways.len())
-        .filter(|&i| arm.ways[i].is_some())
+    let objects = (0..names.len())
+        .filter(|&i| arm.looked_into(ObjectId(i as u16)))
         .map(|i| {
             let object = ObjectId(i as u16);
             let why = learned(arm, object);
-            let reason = match (&why.blocked_by, arm.ways[i].as_ref().map(|w| w.ways.len())) {
+            let reason = match (&why.blocked_by, Some(arm.all_ways(object).map(|w| w.ways.len()).sum::<usize>())) {
                 (_, Some(0)) => "no grasp leads to it, whatever is removed".to_owned(),
                 (by, _) if by.is_empty() => "it can be picked as things stand".to_owned(),
                 (by, _) => format!("one of these has to go first: {}", one_of(by, usize::MAX)),
@@ -205,16 +206,28 @@ fn why_not(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'
             ObjectWhy { object: names[i].clone(), reason, ..why }
         })
         .collect();
-    Why { summary, objects }
+    let sides = arm.sides();
+    if !sides.is_empty() && sides.iter().all(|s| s.free == 0) {
+        summary.push_str(&format!(" There is no side from which the robot could reach `{target}`."));
+    }
+    Why { summary, objects, sides }
 }
 
 /// What stands in the way of an object, over all its ways, and what became of its grasps.
 fn learned(arm: &Feasibility, object: ObjectId) -> ObjectWhy {
-    let Some(ways) = &arm.ways[object.index()] else { return ObjectWhy::default() };
-    let sets = ObjectSet::minimal(ways.ways.iter().filter(|w| w.stage == Stage::Exact).map(|w| w.blocked_by).collect());
+    let ways = || arm.all_ways(object);
+    let exact = ways().flat_map(|w| &w.ways).filter(|w| w.stage == Stage::Exact).map(|w| w.blocked_by);
+    let sets = ObjectSet::minimal(exact.collect());
+    let mut grasps: Vec<GraspCount> = Vec::new();
+    for count in ways().flat_map(Ways::grasp_counts) {
+        match grasps.iter_mut().find(|g| g.outcome == count.outcome) {
+            Some(known) => known.count += count.count,
+            None => grasps.push(count),
+        }
+    }
     ObjectWhy {
         blocked_by: sets.iter().filter(|s| !s.is_empty()).map(|s| s.names(&arm.scene.names)).collect(),
-        grasps: ways.grasp_counts(),
+        grasps,
         ..ObjectWhy::default()
     }
 }

@@ -4,6 +4,7 @@ pub mod description;
 pub mod group;
 pub mod inverse;
 pub mod kinematics;
+pub mod reachability;
 pub mod report;
 pub mod spheres;
 
@@ -11,4 +12,5 @@ pub use description::{Hand, Joint, JointKind, Link, MeshSource, Mimic, Robot};
 pub use group::Group;
 pub use inverse::InverseKinematics;
 pub use kinematics::{Kinematics, LinkStep, Motion};
+pub use reachability::{Placement, Reachability};
 pub use spheres::{Sphere, bounding as bounding_sphere, cover, cover_link};

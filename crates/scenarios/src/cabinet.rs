@@ -3,7 +3,7 @@
 
 use crate::NoScene;
 use clearway_plan::SceneFile;
-use clearway_plan::scene_file::{Body, BoxKeys, CylinderKeys, FORMAT, PlaceArea, PoseKeys, RobotPlacement};
+use clearway_plan::scene_file::{Body, BoxKeys, CylinderKeys, FORMAT, PlaceArea, PoseKeys, RobotPlacement, Weights};
 use rand::{Rng, RngExt};
 
 pub const ROBOT: &str = "ur10_ag95";
@@ -109,20 +109,33 @@ pub(crate) fn uniform(random: &mut impl Rng, [low, high]: [f64; 2]) -> f64 {
 }
 
 /// To a tenth of a millimetre: scene files are read by people.
-fn tidy(v: f64) -> f64 {
+pub(crate) fn tidy(v: f64) -> f64 {
     (v * 1e4).round() / 1e4
+}
+
+pub(crate) fn bx(id: &str, size: [f64; 3], position: [f64; 3]) -> Body {
+    Body { id: id.to_owned(), r#box: Some(BoxKeys { size: size.map(tidy) }), position: position.map(tidy), ..Body::default() }
+}
+
+/// Upright on a floor of this height.
+pub(crate) fn cylinders(discs: &[Disc], floor: f64) -> Vec<Body> {
+    let cylinder = |(i, d): (usize, &Disc)| {
+        let height = tidy(d.height);
+        Body {
+            id: format!("o{}", i + 1),
+            // Rounded down, so that rounding makes nothing touch.
+            cylinder: Some(CylinderKeys { radius: (d.radius * 1e4).floor() / 1e4, height }),
+            position: [tidy(d.x), tidy(d.y), floor + height / 2.0],
+            ..Body::default()
+        }
+    };
+    discs.iter().enumerate().map(cylinder).collect()
 }
 
 pub(crate) fn scene(discs: &[Disc], target: usize, width: f64, depth: f64) -> SceneFile {
     let middle = FRONT + depth / 2.0;
     let side = width / 2.0 + WALL / 2.0;
     let mid_height = FLOOR + HEIGHT / 2.0;
-    let bx = |id: &str, size: [f64; 3], position: [f64; 3]| Body {
-        id: id.to_owned(),
-        r#box: Some(BoxKeys { size: size.map(tidy) }),
-        position: position.map(tidy),
-        ..Body::default()
-    };
     let fixtures = vec![
         bx("shelf_floor", [depth, width + 2.0 * WALL, WALL], [middle, 0.0, FLOOR - WALL / 2.0]),
         bx("shelf_top", [depth, width + 2.0 * WALL, WALL], [middle, 0.0, FLOOR + HEIGHT + WALL / 2.0]),
@@ -132,20 +145,6 @@ pub(crate) fn scene(discs: &[Disc], target: usize, width: f64, depth: f64) -> Sc
         bx("table", [0.54, 0.84, 0.03], [0.1, -0.82, 0.485]),
         bx("pedestal", [0.24, 0.24, 0.3], [0.0, 0.0, 0.15]),
     ];
-    let objects = discs
-        .iter()
-        .enumerate()
-        .map(|(i, d)| {
-            let height = tidy(d.height);
-            Body {
-                id: format!("o{}", i + 1),
-                // Rounded down, so that rounding makes nothing touch.
-                cylinder: Some(CylinderKeys { radius: (d.radius * 1e4).floor() / 1e4, height }),
-                position: [tidy(d.x), tidy(d.y), FLOOR + height / 2.0],
-                ..Body::default()
-            }
-        })
-        .collect();
     SceneFile {
         format: FORMAT.to_owned(),
         name: String::new(),
@@ -157,11 +156,12 @@ pub(crate) fn scene(discs: &[Disc], target: usize, width: f64, depth: f64) -> Sc
             region: None,
         },
         fixtures,
-        objects,
+        objects: cylinders(discs, FLOOR),
         target: format!("o{}", target + 1),
         place: vec![PlaceArea { id: "tray".to_owned(), size: [0.5, 0.8], position: [0.1, -0.82, 0.5] }],
         workspace: None,
         exit: None,
         camera: None,
+        weights: Weights::default(),
     }
 }

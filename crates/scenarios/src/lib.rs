@@ -6,6 +6,7 @@
 
 mod cabinet;
 mod occluded;
+mod table;
 
 pub use cabinet::ROBOT;
 
@@ -14,7 +15,7 @@ use clearway_collision::CollisionModel;
 use clearway_plan::event::Silent;
 use clearway_plan::plan_file::Status;
 use clearway_plan::{Budget, SceneFile};
-use clearway_retrieval::{Planner, Request, Settings, Unfit, order};
+use clearway_retrieval::{Planner, Request, Settings, Unfit, mobile, order};
 use clearway_robot::Robot;
 use clearway_scene::Scene;
 use rand::SeedableRng;
@@ -90,6 +91,34 @@ pub fn occluded(wanted: &Wanted) -> Result<Drawn, NoScene> {
     })
 }
 
+/// A table with a PR2 at one of its sides (section VI-D), objects drawn uniformly: scenes in which fewer than
+/// `least_removals` suffice are rejected, without it none. `contrast`: only those are kept in which two or more have to
+/// be removed besides the target as long as the base stands where it is, and one if it drives.
+pub fn table(wanted: &Wanted, contrast: bool) -> Result<Drawn, NoScene> {
+    let least = wanted.least_removals.unwrap_or(1);
+    if wanted.objects > 0 && least > wanted.objects {
+        return Err(NoScene::TooManyRemovals);
+    }
+    let draw = |random: &mut Xoshiro256PlusPlus| table::draw(wanted.objects, random);
+    draw_until(wanted, table::ROBOT, "table", draw, |scene, model| {
+        if contrast {
+            let fixed = mobile::Settings { drives: false, ..mobile::Settings::default() };
+            let has = |most: usize, mobile: &mobile::Settings| can_be_planned(scene.clone(), model.clone(), most, mobile);
+            let driving = mobile::Settings::default();
+            return Ok(!has(2, &fixed)? && has(2, &driving)? && !has(1, &driving)? && has(wanted.objects, &fixed)?);
+        }
+        Ok(least <= 1 || !fewer_suffice(scene, model, least)?)
+    })
+}
+
+/// Whether there is a plan with at most so many removals, as far as the planner can tell.
+fn can_be_planned(scene: Scene, model: Arc<CollisionModel>, most: usize, mobile: &mobile::Settings) -> Result<bool, NoScene> {
+    let settings = Settings { mobile: mobile.clone(), ..Settings::default() };
+    let mut planner = Planner::with_model(scene, model, settings).map_err(unsound)?;
+    let request = Request { most_removals: Some(most), ..Request::new(1, guarded()) };
+    Ok(planner.plan(&request, &mut Silent).plan.status == Status::Solved)
+}
+
 fn draw(recipe: &Recipe, wanted: &Wanted) -> Result<Drawn, NoScene> {
     let least = wanted.least_removals.unwrap_or(2.min(wanted.objects));
     if wanted.objects > 0 && least > wanted.objects {
@@ -136,12 +165,9 @@ fn guarded() -> Budget {
 }
 
 /// Whether the target can be had with fewer than `least` removals, as far as the planner can tell
-/// with its exploration limit held below.
+/// with its exploration limit held below. Out of time the draw is kept.
 fn fewer_suffice(scene: Scene, model: Arc<CollisionModel>, least: usize) -> Result<bool, NoScene> {
-    let mut planner = Planner::with_model(scene, model, Settings::default()).map_err(unsound)?;
-    // Out of time the draw is kept.
-    let request = Request { most_removals: Some(least - 1), ..Request::new(1, guarded()) };
-    Ok(planner.plan(&request, &mut Silent).plan.status == Status::Solved)
+    can_be_planned(scene, model, least - 1, &mobile::Settings::default())
 }
 
 /// Whether the target can be had with so few removals, as far as the arm's own ways tell.

@@ -4,7 +4,7 @@ use crate::numbers;
 use crate::source::Source;
 use clearway_files::FileError;
 use clearway_plan::SceneFile;
-use clearway_plan::scene_file::{Camera, Rect};
+use clearway_plan::scene_file::{Camera, Rect, Weights};
 
 pub(crate) fn check(source: &Source, file: &SceneFile) -> Result<(), FileError> {
     if file.robot.model.trim().is_empty() {
@@ -32,6 +32,15 @@ pub(crate) fn check(source: &Source, file: &SceneFile) -> Result<(), FileError> 
             numbers::size(source, &format!("place.{i}.size.{axis}"), "a place's size", *length)?;
         }
         numbers::coordinates(source, &format!("place.{i}.position"), "position", place.position)?;
+    }
+    let Weights { removal, base_move, second } = file.weights;
+    for (key, weight) in [("removal", removal), ("base_move", base_move), ("second", second)] {
+        // Written so that NaN fails too.
+        if !(0.0..=1e9).contains(&weight) {
+            return Err(source
+                .error(&format!("weights.{key}"), format!("a weight of {weight}"))
+                .expected("a number from 0 to 1e9"));
+        }
     }
     file.camera.as_ref().map_or(Ok(()), |camera| check_camera(source, camera))
 }

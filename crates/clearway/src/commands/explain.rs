@@ -5,7 +5,7 @@ use crate::cli::ExplainArgs;
 use crate::exit::{Exit, Failure};
 use clearway::PlanFile;
 use clearway_plan::object_set::one_of;
-use clearway_plan::plan_file::{Known, LowerBound, ObjectWhy, Status};
+use clearway_plan::plan_file::{Drive, Known, LowerBound, ObjectWhy, SideWhy, Status};
 use clearway_plan::proof::{BarriersProof, Branch, Enclosure, GraspsProof, ObjectCase};
 use std::collections::BTreeSet;
 
@@ -37,6 +37,8 @@ fn text(plan: &PlanFile) -> String {
     out += &plan.known.iter().map(known).collect::<String>();
     out.push('\n');
     out += &objects(plan);
+    out += &sides(plan);
+    out += &drives(plan);
     let s = &plan.stats;
     out += &format!(
         "\n{} round{}, exploration limit {}, {} sequences tried, {} grasp postures looked at, {} roadmap and {} retrieval graph nodes\n",
@@ -130,12 +132,45 @@ pub fn objects(plan: &PlanFile) -> String {
     plan.why.objects.iter().map(object).collect()
 }
 
+/// Where the base drives.
+fn drives(plan: &PlanFile) -> String {
+    let at = |[x, y, yaw]: [f64; 3]| format!("({x:.2}, {y:.2}) facing {:.0}°", yaw.to_degrees().rem_euclid(360.0));
+    let drives = plan.drives();
+    let line = |d: &Drive| {
+        let what = if d.carrying { "with" } else { "for" };
+        format!("  {what} {}: from {} to {}, {:.1} s\n", plan.steps[d.step].object, at(d.from), at(d.to), d.seconds)
+    };
+    match drives.len() {
+        0 => String::new(),
+        n => format!("The base moves {n} time{}:\n{}", if n == 1 { "" } else { "s" }, drives.iter().map(line).collect::<String>()),
+    }
+}
+
+/// Which sides of the target a mobile base was tried on, and what is in its way there.
+fn sides(plan: &PlanFile) -> String {
+    let side = |side: &SideWhy| {
+        let degrees = side.bearing.to_degrees();
+        let found = match (side.tried, side.free) {
+            (0, _) => "no place there has it in reach".to_owned(),
+            (tried, 0) => format!("none of {tried} places is free: {}", side.blocked_by.join(", ")),
+            (tried, free) => format!("{free} of {tried} places are free"),
+        };
+        format!("  {degrees:>4.0}° from {}: {found}\n", plan.scene.target)
+    };
+    if plan.why.sides.is_empty() {
+        return String::new();
+    }
+    let list: String = plan.why.sides.iter().map(side).collect();
+    format!("Sides on which the robot could stand to reach the target (0° is along x, 90° along y):\n{list}")
+}
+
 /// The same of the target and a few others.
 pub fn some_objects(plan: &PlanFile) -> String {
     const OTHERS: usize = 6;
     let (target, others): (Vec<&ObjectWhy>, Vec<&ObjectWhy>) =
         plan.why.objects.iter().partition(|why| why.object == plan.scene.target);
     let mut out: String = target.into_iter().chain(others.iter().take(OTHERS).copied()).map(object).collect();
+    out += &sides(plan);
     if others.len() > OTHERS {
         out += &format!("… and {} more; with a plan file (-o) `clearway explain` tells all\n", others.len() - OTHERS);
     }

@@ -10,14 +10,19 @@ pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
     let (usual, least) = match args.kind {
         Kind::Shelf => (12, 2),
         Kind::Large => (100, 10),
+        Kind::Table => (20, 1),
         Kind::Occluded => (12, 1),
     };
+    if args.contrast && !matches!(args.kind, Kind::Table) {
+        return Err(Failure::bad_input("--contrast is for `generate table`: other robots do not drive".to_owned()));
+    }
     let objects = args.objects.unwrap_or(usual);
     let least = args.least_removals.unwrap_or(least.min(objects));
     let wanted = Wanted { objects, seed: args.seed, least_removals: Some(least) };
     let drawn = match args.kind {
         Kind::Shelf => scenarios::shelf(&wanted),
         Kind::Large => scenarios::large(&wanted),
+        Kind::Table => scenarios::table(&wanted, args.contrast),
         Kind::Occluded => scenarios::occluded(&wanted),
     };
     let drawn = drawn.map_err(|error| match error {
@@ -31,6 +36,14 @@ pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
     }
     if matches!(args.kind, Kind::Occluded) {
         tell(&format!("{} objects, target {}; {} rejected because no plan was found even with all of them known", drawn.file.objects.len(), drawn.file.target, drawn.rejected));
+        return Ok(Exit::Done);
+    }
+    if matches!(args.kind, Kind::Table) && (args.contrast || least <= 1) {
+        let why = if args.contrast { "; draws in which driving does not help were rejected" } else { "" };
+        tell(&format!("{} objects, target {}; {} rejected{why}", drawn.file.objects.len(), drawn.file.target, drawn.rejected));
+        if !drawn.as_wanted {
+            tell("warning: no draw was one in which driving helps; the last one is kept");
+        }
         return Ok(Exit::Done);
     }
     let stuck = if matches!(args.kind, Kind::Large) { ", or more than twice as many are needed" } else { "" };

@@ -99,6 +99,7 @@ fn settings(args: &PlanArgs) -> Settings {
         Some(SearchKind::Greedy) => settings.search = Search::Greedy,
         None => {}
     }
+    settings.mobile.drives = !args.fixed_base;
     settings
 }
 
@@ -121,6 +122,7 @@ fn unfit(scene: &Path, unfit: &Unfit) -> Failure {
                 .help("give a free `robot.start`, or move the robot's `base` or what it touches")
         }
         Unfit::BadStart(why) => error(&["robot", "start"], why).help("`clearway robot` lists the joints and their limits"),
+        Unfit::Region(why) => error(&["robot", "region"], why).help("make the region larger, or move the robot's start"),
         Unfit::Camera(why) => error(&["camera"], why).help("move it, or turn it towards the objects with `look_at`"),
         Unfit::NoPlace(why) => error(&["place"], why).help(
             "add one: `place: [{id: tray, size: [0.5, 0.8], position: [x, y, z]}]`, position being the centre of its top face",

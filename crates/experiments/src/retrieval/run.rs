@@ -109,8 +109,8 @@ impl Bench {
                 plan
             }
             TaskPlanner::Traversability | TaskPlanner::ShortestPath | TaskPlanner::BruteForce => {
-                let Settings { ways, carry, .. } = Settings::default();
-                let mut arm = Feasibility::new(scene, model, ways, carry).map_err(unfit)?;
+                let Settings { ways, carry, mobile, .. } = Settings::default();
+                let mut arm = Feasibility::new(scene, model, ways, carry, mobile).map_err(unfit)?;
                 let peer: &peers::Peer = match case.planner {
                     TaskPlanner::Traversability => &traversability,
                     TaskPlanner::ShortestPath => &shortest_path,

@@ -113,7 +113,7 @@ pub fn play(
                 }
             }
             Turn::End(end, stopped) => {
-                let why = Why { summary: end.why.summary, objects: whole.why.objects.into_iter().chain(end.why.objects).collect() };
+                let why = Why { summary: end.why.summary, objects: whole.why.objects.into_iter().chain(end.why.objects).collect(), sides: Vec::new() };
                 return Ok((PlanFile { status: end.status, why, ..whole }, stopped));
             }
         }

@@ -102,6 +102,29 @@ impl Robot {
         true
     }
 
+    /// The same robot with its planar base held at zero: the arm alone is planned for, and whoever asks says
+    /// where the base stands. `None` where the base does not drive.
+    pub fn standing(&self) -> Option<Robot> {
+        let base = self.planar_base?;
+        let mut robot = self.clone();
+        for joint in base {
+            robot.fixed.insert(self.joints[joint].name.clone(), 0.0);
+        }
+        robot.arm.drain(..base.len());
+        for values in [
+            &mut robot.home,
+            &mut robot.acceleration,
+            &mut robot.jerk,
+            &mut robot.velocity,
+            &mut robot.lower,
+            &mut robot.upper,
+        ] {
+            values.drain(..base.len());
+        }
+        robot.planar_base = None;
+        Some(robot)
+    }
+
     /// The names of the joints planned for, in order.
     pub fn arm_names(&self) -> Vec<&str> {
         self.arm.iter().map(|&j| self.joints[j].name.as_str()).collect()

@@ -158,6 +158,7 @@ fn scene(objects: &[Object], target: String) -> SceneFile {
         workspace: None,
         exit: None,
         camera: None,
+        weights: Default::default(),
     }
 }
 
