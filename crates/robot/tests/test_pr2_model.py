@@ -101,16 +101,15 @@ COARSE = {
 """Where our surface is farther from the mesh: the casters, hollows that we fill. Metres, most, mean."""
 
 NEAR = {
-    frozenset((f"{s}_{a}_link", f"{s}_{b}_link")): metres
-    for s in "lr"
+    frozenset((f"l_{a}_link", f"l_{b}_link")): metres
     for a, b, metres in [
-        ("upper_arm", "forearm", 0.002),
+        ("upper_arm", "forearm", 0.0018),
         ("wrist_flex", "gripper_l_finger", 0.012),
         ("wrist_flex", "gripper_r_finger", 0.012),
         ("forearm", "gripper_l_finger", 0.012),
         ("forearm", "gripper_r_finger", 0.012),
     ]
-} | {frozenset((f"{s}_shoulder_lift_link", "torso_lift_link")): 0.012 for s in "lr"}
+}
 """Pairs with one link between them, near in every posture: metres that they keep at home."""
 
 LEAST_X = {"upper_arm_v0/upper_arm": 0.118, "upper_arm_v0/forearm_roll_L": 0.09}
@@ -146,7 +145,7 @@ def touching(postures):
 
 
 def gaps_at_home():
-    """Metres between the links of each pair that is checked, the hand open."""
+    """Metres between the links of each pair that is checked and moves, the hand open."""
     model = pin.buildModelFromUrdf(str(OURS))
     shapes = pin.buildGeomFromUrdf(model, str(OURS), pin.GeometryType.COLLISION)
     shapes.addAllCollisionPairs()
@@ -160,7 +159,8 @@ def gaps_at_home():
     for pair, result in zip(shapes.collisionPairs, placed.distanceResults, strict=True):
         of = [shapes.geometryObjects[i].parentFrame for i in (pair.first, pair.second)]
         names = frozenset(model.frames[i].name for i in of)
-        if len(names) == 2 and names not in unchecked:
+        moves = any(name.startswith("l_") for name in names)
+        if moves and len(names) == 2 and names not in unchecked:
             gaps[names] = min(gaps.get(names, math.inf), result.min_distance)
     return gaps
 
