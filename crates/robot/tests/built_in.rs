@@ -173,3 +173,55 @@ fn panda_opens_as_its_table_says() {
         }
     }
 }
+
+fn pr2() -> Robot {
+    Robot::load("pr2_left", Path::new("."), &[]).expect("the built-in robot")
+}
+
+#[test]
+fn pr2_left_is_what_its_files_say() {
+    let robot = pr2();
+    let names = robot.arm_names();
+    assert_eq!(names.len(), 10);
+    assert_eq!(names[..4], ["base_x", "base_y", "base_yaw", "l_shoulder_pan_joint"]);
+    assert_eq!(names[9], "l_wrist_roll_joint");
+    assert!(robot.planar_base.is_some() && robot.meshes.is_empty());
+    assert_eq!(robot.velocity, [0.5, 0.5, 0.8, 2.088, 2.082, 3.27, 3.3, 3.6, 3.078, 3.6]);
+    assert_eq!(robot.acceleration, [0.5, 0.5, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 2.0]);
+    assert_eq!(robot.fixed.len(), 12);
+    assert_eq!(robot.fixed["torso_lift_joint"], 0.2);
+    for (name, &home) in names.iter().zip(&robot.home).skip(3) {
+        assert_eq!(robot.named_states["home"][*name], home);
+    }
+    assert!(report(&robot).contains("0 to 92.054 mm"));
+}
+
+/// The pads are half the gap away from the tool's frame on either side, and reach beyond it.
+#[test]
+fn pr2_left_opens_as_its_table_says() {
+    let robot = pr2();
+    let lead = robot.hand.joint.expect("a parallel hand");
+    let at_rest = |j: usize| robot.fixed.get(&robot.joints[j].name).copied().unwrap_or(0.0);
+    for i in 0..=50 {
+        let gap = robot.hand.widest() * f64::from(i) / 50.0;
+        let q = robot.hand.joint_at(gap);
+        let value = |j: usize| if j == lead { q } else { at_rest(j) };
+        let tool = root_from(&robot, robot.hand.frame, &value);
+        for (side, sign) in [("l", 1.0), ("r", -1.0)] {
+            let link = robot.link(&format!("l_gripper_{side}_finger_tip_link")).expect("a finger");
+            let tool_from_link = tool.inverse() * root_from(&robot, link, &value);
+            for (pose, convex) in robot.links[link].collision.parts.iter().skip(2) {
+                let Convex::Box { half } = convex else { panic!("a box") };
+                let pad = tool_from_link * *pose;
+                // The pad's box has y across, which is the tool's x.
+                let inner = pad.translation.x * sign - half.y;
+                assert!((2.0 * inner - gap).abs() < 1e-4, "{side} at {gap}: {inner}");
+            }
+            let (pose, convex) = robot.links[link].collision.parts.last().expect("the pad's end");
+            let Convex::Box { half } = convex else { panic!("a box") };
+            // Its x is along the finger: the tool's z.
+            let pad = tool_from_link * *pose;
+            assert!(pad.translation.z + half.x > 0.008, "{side} at {gap}: {pad:?}");
+        }
+    }
+}

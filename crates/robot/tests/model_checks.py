@@ -31,6 +31,24 @@ def index_of(model, joint):
     return model.joints[model.getJointId(joint)].idx_q
 
 
+def set_value(model, q, joint, value):
+    """Of a joint in a configuration, which has cosine and sine for a continuous one."""
+    i = index_of(model, joint)
+    if model.joints[model.getJointId(joint)].nq == 2:
+        q[i : i + 2] = math.cos(value), math.sin(value)
+    else:
+        q[i] = value
+
+
+def limits_of(model, joint):
+    """(lower, upper, velocity); a whole turn for a continuous joint."""
+    found = model.joints[model.getJointId(joint)]
+    velocity = model.velocityLimit[found.idx_v]
+    if found.nq == 2:
+        return -math.pi, math.pi, velocity
+    return model.lowerPositionLimit[found.idx_q], model.upperPositionLimit[found.idx_q], velocity
+
+
 def kinematics_error(official, ours, joints, postures):
     """Of two URDFs, over the link frames that both have and random values of `joints`: (worst
     metres, worst radians, frames, limits alike)."""
@@ -40,22 +58,16 @@ def kinematics_error(official, ours, joints, postures):
         for f in theirs.frames
         if f.type == pin.FrameType.BODY and ours.existFrame(f.name, pin.FrameType.BODY)
     ]
-    limits = all(
-        (t.lowerPositionLimit[i], t.upperPositionLimit[i], t.velocityLimit[i])
-        == (o.lowerPositionLimit[j], o.upperPositionLimit[j], o.velocityLimit[j])
-        for name in joints
-        for t, o in [(theirs, ours)]
-        for i, j in [(index_of(t, name), index_of(o, name))]
-    )
+    limits = all(limits_of(theirs, name) == limits_of(ours, name) for name in joints)
     their_data, our_data = theirs.createData(), ours.createData()
     random = np.random.default_rng(1)
     metres = radians = 0.0
     for _ in range(postures):
         their_q, our_q = pin.neutral(theirs), pin.neutral(ours)
         for name in joints:
-            i = index_of(theirs, name)
-            value = random.uniform(theirs.lowerPositionLimit[i], theirs.upperPositionLimit[i])
-            their_q[i] = our_q[index_of(ours, name)] = value
+            value = random.uniform(*limits_of(theirs, name)[:2])
+            set_value(theirs, their_q, name, value)
+            set_value(ours, our_q, name, value)
         pin.framesForwardKinematics(theirs, their_data, their_q)
         pin.framesForwardKinematics(ours, our_data, our_q)
         for name in frames:
@@ -198,7 +210,7 @@ def touching(urdf, values_of, postures):
     for _ in range(postures):
         q = pin.neutral(model)
         for name, value in values_of(random, model).items():
-            q[index_of(model, name)] = value
+            set_value(model, q, name, value)
         pin.updateGeometryPlacements(model, data, shapes, placed, q)
         at = [coal.Transform3s(pose.rotation, pose.translation) for pose in placed.oMg]
         for pair, parts in by_pair.items():
@@ -209,11 +221,7 @@ def touching(urdf, values_of, postures):
 
 def within_limits(random, model, joints):
     """joint → a value drawn uniformly within its limits."""
-    values = {}
-    for name in joints:
-        i = index_of(model, name)
-        values[name] = random.uniform(model.lowerPositionLimit[i], model.upperPositionLimit[i])
-    return values
+    return {name: random.uniform(*limits_of(model, name)[:2]) for name in joints}
 
 
 def unchecked_pairs(srdf):
@@ -224,6 +232,19 @@ def unchecked_pairs(srdf):
 def adjacent_pairs(urdf):
     joints = ElementTree.parse(urdf).getroot().findall("joint")
     return {frozenset(joint.find(end).get("link") for end in ("parent", "child")) for joint in joints}
+
+
+def shaped_parents(urdf, shaped):
+    """link → the next link above it that is among `shaped`."""
+    joints = ElementTree.parse(urdf).getroot().findall("joint")
+    above = {joint.find("child").get("link"): joint.find("parent").get("link") for joint in joints}
+    parents = {}
+    for link in shaped:
+        at = above.get(link)
+        while at is not None and at not in shaped:
+            at = above.get(at)
+        parents[link] = at
+    return parents
 
 
 def check_unchecked_pairs(urdf, srdf, hand, share):

@@ -1,7 +1,7 @@
 //! The robots that the program carries: files like a user's, embedded.
 
 /// Their names.
-pub const NAMES: [&str; 3] = ["ur10_ag95", "ur10_suction", "panda"];
+pub const NAMES: [&str; 4] = ["ur10_ag95", "ur10_suction", "panda", "pr2_left"];
 
 /// A built-in robot's files. They name no meshes.
 pub struct BuiltIn {
@@ -29,6 +29,7 @@ pub fn find(name: &str) -> Option<BuiltIn> {
         "ur10_ag95" => Some(built_in!("ur10_ag95")),
         "ur10_suction" => Some(built_in!("ur10_suction")),
         "panda" => Some(built_in!("panda")),
+        "pr2_left" => Some(built_in!("pr2_left")),
         _ => None,
     }
 }
