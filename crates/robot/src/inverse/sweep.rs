@@ -41,8 +41,8 @@ pub fn solve(
         }
     }
     // An elbow that straightens within its limits (PR2's) leaves a sliver round where the way is longest;
-    // another may lie at either end of the range. A spherical shoulder's elbow seldom does (Panda's misses
-    // 1 pose in 5000) and is left with the values above.
+    // another may lie at either end of the range. A spherical shoulder's elbow seldom does (a Panda misses
+    // hardly one pose in a thousand) and is left with the values above.
     if found.is_empty() && closed.at_wrist() {
         let extremes = closed.extremes(root_from_tool).map(|q| low + (q - low).rem_euclid(2.0 * PI));
         for value in extremes.into_iter().chain([low, high]).filter(|q| (low..=high).contains(q)) {
