@@ -2,8 +2,9 @@
 //!
 //! Two builds are solved in closed form: six joints with three parallel axes and a wrist whose last
 //! two axes meet (UR and its like), all branches; and seven joints with a spherical shoulder (Panda
-//! and its like), all branches for each of many values of the last joint. Any other chain is solved
-//! by damped least squares from many seeds.
+//! and its like) or a spherical wrist (PR2 and its like), all branches for each of many values of the
+//! joint at the other end, the last or the first. Any other chain is solved by damped least squares
+//! from many seeds.
 
 mod chain;
 mod numeric;
@@ -66,8 +67,11 @@ impl InverseKinematics {
 
     /// In words, for reports.
     pub fn describe(&self) -> &'static str {
-        match self.method {
+        match &self.method {
             Method::ThreeParallel(_) => "closed form (three parallel axes, up to 8 branches)",
+            Method::SphericalShoulder(closed) if closed.at_wrist() => {
+                "closed form (spherical wrist, up to 8 branches for each value of the first joint, which is swept)"
+            }
             Method::SphericalShoulder(_) => {
                 "closed form (spherical shoulder, up to 8 branches for each value of the last joint, which is swept)"
             }
@@ -93,8 +97,7 @@ impl InverseKinematics {
                 distinct(found, 1e-6)
             }
             Method::SphericalShoulder(closed) => {
-                let last = self.upper.len() - 1;
-                let mut found = sweep::solve(closed, root_from_tool, near, self.lower[last], self.upper[last]);
+                let mut found = sweep::solve(closed, root_from_tool, near, &self.lower, &self.upper);
                 found.retain_mut(|q| self.wrap(q, near));
                 let mut few = sweep::spread(found, near);
                 few.retain_mut(sound);

@@ -8,20 +8,28 @@
 //! direction of axis 6. The distance from shoulder to wrist gives q₄. What is between then only turns
 //! about the line through both, until axes 5 and 6 are at their angle: two ways. The rest is read off:
 //! q₅ and q₆ at the wrist, q₂ twice and q₁, q₃ at the shoulder.
+//!
+//! An arm of which the last three meet, a spherical wrist, and the second and third, like PR2's, is the
+//! same chain seen from the tool. With T = e^(ξ₁q₁) … e^(ξ₇q₇) M, the root as the tool sees it is
+//! T⁻¹ = e^(−ξ₇′q₇) … e^(−ξ₁′q₁) M⁻¹, where ξ′ are the axes in the tool's frame at the zero posture: the
+//! joints in reverse, each about the opposite direction. What is swept is then the first joint.
 
 use super::subproblems::{meeting_point, turn_onto, turn_to_height};
 use crate::Robot;
 use crate::kinematics::Kinematics;
 use clearway_geometry::{Mat3, Pose, Vec3};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Axes that pass each other by no more than this meet, metres: URDFs round their angles. What is
 /// missed by that is mended afterwards.
 const MEET: f64 = 2e-5;
 
-/// The arm's axes at the zero posture, in the root frame.
+/// The chain's axes at the zero posture, from the end where the shoulder is: in the root frame or,
+/// `reversed`, in the tool's.
 #[derive(Clone, Debug)]
 pub struct SphericalShoulder {
+    /// The chain is the arm's seen from its tool: what is the shoulder here is the arm's spherical wrist.
+    reversed: bool,
     /// Unit directions.
     axis: [Vec3; 7],
     /// Unit vectors across axes 3 and 6.
@@ -29,9 +37,16 @@ pub struct SphericalShoulder {
     shoulder: Vec3,
     /// From the shoulder to a point of axis 4, from there to the wrist, from there to one of axis 7.
     step: [Vec3; 3],
-    /// The tool seen from that point.
-    zero_tool: Pose,
+    /// The far end's frame, the tool's or, `reversed`, the root's, seen from that point.
+    zero_end: Pose,
     ranges: [Range; 7],
+}
+
+/// A joint's axis: a point of it and its unit direction.
+#[derive(Clone, Copy)]
+struct Axis {
+    origin: Vec3,
+    direction: Vec3,
 }
 
 /// What a joint may be, whole turns aside.
@@ -49,7 +64,8 @@ impl Range {
 }
 
 impl SphericalShoulder {
-    /// The closed form for this arm, when it is built that way.
+    /// The closed form for this arm, when it is built that way. One that is so from either end is seen
+    /// from its root.
     pub fn of(robot: &Robot, kinematics: &Kinematics) -> Option<Self> {
         if kinematics.arm_joints != 7 || kinematics.moved_by_hand[kinematics.tool] {
             return None;
@@ -60,6 +76,22 @@ impl SphericalShoulder {
         if axes.iter().any(|a| a.slides) {
             return None;
         }
+        let tool = frames[kinematics.tool];
+        let axes: [Axis; 7] = std::array::from_fn(|i| Axis { origin: axes[i].origin, direction: axes[i].direction });
+        let mut ranges: [Range; 7] =
+            std::array::from_fn(|i| Range { lower: robot.lower[i], span: robot.upper[i] - robot.lower[i] });
+        Self::from_shoulder(&axes, tool, ranges, false).or_else(|| {
+            let back = tool.inverse();
+            let seen = |a: Axis| Axis { origin: back.point(a.origin), direction: -(back.rotation * a.direction) };
+            let mut axes = axes.map(seen);
+            axes.reverse();
+            ranges.reverse();
+            Self::from_shoulder(&axes, back, ranges, true)
+        })
+    }
+
+    /// Out of the axes, the first next to the shoulder, and the frame at the far end, at the zero posture.
+    fn from_shoulder(axes: &[Axis; 7], end: Pose, ranges: [Range; 7], reversed: bool) -> Option<Self> {
         let meet = |i: usize, j: usize| {
             meeting_point(axes[i].origin, axes[i].direction, axes[j].origin, axes[j].direction, MEET)
         };
@@ -67,28 +99,59 @@ impl SphericalShoulder {
         if (shoulder - axes[2].origin).cross(axes[2].direction).length() > MEET {
             return None;
         }
-        let axis: [Vec3; 7] = std::array::from_fn(|i| axes[i].direction);
+        let axis = axes.map(|a| a.direction);
         let (elbow, last) = (axes[3].origin, axes[6].origin);
-        let tool = frames[kinematics.tool];
         Some(Self {
+            reversed,
             axis,
             across: [axis[2].any_orthonormal_vector(), axis[5].any_orthonormal_vector()],
             shoulder,
             step: [elbow - shoulder, wrist - elbow, last - wrist],
-            zero_tool: Pose::new(tool.rotation, tool.translation - last),
-            ranges: std::array::from_fn(|i| Range { lower: robot.lower[i], span: robot.upper[i] - robot.lower[i] }),
+            zero_end: Pose::new(end.rotation, end.translation - last),
+            ranges,
         })
     }
 
-    /// Hands `each` the postures, up to eight, that have `q7` as their last value and whose others are
+    /// Whether it is the arm's wrist that is spherical, and not its shoulder.
+    pub fn at_wrist(&self) -> bool {
+        self.reversed
+    }
+
+    /// The joint of whose values each leaves a few postures: the last or, with a spherical wrist, the first.
+    pub fn swept(&self) -> usize {
+        if self.reversed { 0 } else { 6 }
+    }
+
+    /// The values of the swept joint at which shoulder and wrist are nearest to each other, and farthest.
+    pub fn extremes(&self, root_from_tool: &Pose) -> [f64; 2] {
+        let end = if self.reversed { root_from_tool.inverse() } else { *root_from_tool };
+        let turned = end.rotation * self.zero_end.rotation.transpose();
+        let last = end.translation - turned * self.zero_end.translation;
+        let nearest = -turn_onto(self.axis[6], self.step[2], turned.transpose() * (last - self.shoulder));
+        [nearest, if nearest > 0.0 { nearest - PI } else { nearest + PI }]
+    }
+
+    /// Hands `each` the postures, up to eight, that have `value` in the swept joint and whose others are
     /// within the joints' limits but for whole turns. None where a whole circle of them is.
-    pub fn solve_at(&self, root_from_tool: &Pose, q7: f64, mut each: impl FnMut([f64; 7])) {
+    pub fn solve_at(&self, root_from_tool: &Pose, value: f64, mut each: impl FnMut([f64; 7])) {
+        if self.reversed {
+            self.solve_from_shoulder(&root_from_tool.inverse(), value, |mut q| {
+                q.reverse();
+                each(q);
+            });
+        } else {
+            self.solve_from_shoulder(root_from_tool, value, each);
+        }
+    }
+
+    /// The same with joints counted from the shoulder, and `end` where the far end is to be.
+    fn solve_from_shoulder(&self, end: &Pose, q7: f64, mut each: impl FnMut([f64; 7])) {
         let [h1, h2, h3, h4, h5, h6, h7] = self.axis;
         let [to_elbow, to_wrist, to_last] = self.step;
         // Rotations of the last link and of the one before, from the zero posture.
-        let turned = root_from_tool.rotation * self.zero_tool.rotation.transpose();
+        let turned = end.rotation * self.zero_end.rotation.transpose();
         let sixth = turned * Mat3::from_axis_angle(h7, -q7);
-        let wrist = root_from_tool.translation - turned * self.zero_tool.translation - sixth * to_last;
+        let wrist = end.translation - turned * self.zero_end.translation - sixth * to_last;
         let reach = wrist - self.shoulder;
         let distance = reach.length();
         if distance < 1e-9 {

@@ -6,7 +6,7 @@ use super::spherical_shoulder::SphericalShoulder;
 use clearway_geometry::Pose;
 use std::f64::consts::PI;
 
-/// Values of the last joint that are tried.
+/// Values of the swept joint that are tried.
 const VALUES: usize = 24;
 /// While none of them is of use, as many values between each two.
 const FINER: usize = 8;
@@ -14,13 +14,22 @@ const FINER: usize = 8;
 const MOST: usize = 12;
 const APART: f64 = 0.3;
 
-/// Postures at values of the last joint spread over its range, and at `near`'s.
-pub fn solve(closed: &SphericalShoulder, root_from_tool: &Pose, near: &[f64], lower: f64, upper: f64) -> Vec<Posture> {
+/// Postures at values of the swept joint spread over its range, and at `near`'s; failing those, at the
+/// values where slivers are.
+pub fn solve(
+    closed: &SphericalShoulder,
+    root_from_tool: &Pose,
+    near: &[f64],
+    lower: &[f64],
+    upper: &[f64],
+) -> Vec<Posture> {
+    let swept = closed.swept();
+    let (lower, upper) = (lower[swept], upper[swept]);
     let (low, high) = if upper - lower > 2.0 * PI { (-PI, PI) } else { (lower, upper) };
     let mut found = Vec::new();
-    let mut at = |q7: f64| closed.solve_at(root_from_tool, q7, |q| found.push(q.to_vec()));
-    if let Some(&last) = near.last().filter(|&&q| (low..=high).contains(&q)) {
-        at(last);
+    let mut at = |value: f64| closed.solve_at(root_from_tool, value, |q| found.push(q.to_vec()));
+    if let Some(&value) = near.get(swept).filter(|&&q| (low..=high).contains(&q)) {
+        at(value);
     }
     let value = |i: f64| low + (high - low) * i / VALUES as f64;
     for i in 0..VALUES {
@@ -31,10 +40,19 @@ pub fn solve(closed: &SphericalShoulder, root_from_tool: &Pose, near: &[f64], lo
             closed.solve_at(root_from_tool, value((i as f64 + 0.5) / FINER as f64), |q| found.push(q.to_vec()));
         }
     }
+    // An elbow that straightens within its limits (PR2's) leaves a sliver round where the way is longest;
+    // another may lie at either end of the range. A spherical shoulder's elbow seldom does (a Panda misses
+    // hardly one pose in a thousand) and is left with the values above.
+    if found.is_empty() && closed.at_wrist() {
+        let extremes = closed.extremes(root_from_tool).map(|q| low + (q - low).rem_euclid(2.0 * PI));
+        for value in extremes.into_iter().chain([low, high]).filter(|q| (low..=high).contains(q)) {
+            closed.solve_at(root_from_tool, value, |q| found.push(q.to_vec()));
+        }
+    }
     found
 }
 
-/// The posture nearest to `from` (in the joint that moves most) at the value of the last joint
+/// The posture nearest to `from` (in the joint that moves most) at the value of the swept joint
 /// nearest to `from`'s that has one within `reach` in every joint.
 pub fn follow(
     closed: &SphericalShoulder,
@@ -45,14 +63,15 @@ pub fn follow(
     reach: f64,
 ) -> Option<[f64; 7]> {
     const STEPS: i32 = 8;
+    let swept = closed.swept();
     for step in 0..=STEPS {
         let mut best: Option<(f64, [f64; 7])> = None;
         for side in [1.0, -1.0] {
-            let q7 = from[6] + side * reach * f64::from(step) / f64::from(STEPS);
-            if q7 < lower[6] || q7 > upper[6] {
+            let value = from[swept] + side * reach * f64::from(step) / f64::from(STEPS);
+            if value < lower[swept] || value > upper[swept] {
                 continue;
             }
-            closed.solve_at(root_from_tool, q7, |mut q| {
+            closed.solve_at(root_from_tool, value, |mut q| {
                 for i in 0..7 {
                     q[i] = from[i] + (q[i] - from[i] + PI).rem_euclid(2.0 * PI) - PI;
                 }

@@ -11,9 +11,10 @@ use std::fs;
 
 pub type Random = rand_xoshiro::Xoshiro256PlusPlus;
 
-/// A posture within the limits.
+/// A posture within the limits; of a joint that turns without end, within half a turn either way.
 pub fn posture(robot: &Robot, random: &mut Random) -> Vec<f64> {
-    robot.lower.iter().zip(&robot.upper).map(|(&low, &high)| random.random_range(low..high)).collect()
+    let end = |limit: f64| if limit.is_finite() { limit } else { std::f64::consts::PI.copysign(limit) };
+    robot.lower.iter().zip(&robot.upper).map(|(&low, &high)| random.random_range(end(low)..end(high))).collect()
 }
 
 /// Metres and radians between two poses, the larger of the two.
@@ -33,7 +34,7 @@ pub fn inside(robot: &Robot, q: &[f64]) -> bool {
 
 /// One joint of a chain: where it is in the link before (metres, radians), and its axis there.
 pub struct Joint {
-    /// `revolute` or `prismatic`.
+    /// `revolute`, `continuous` (limits are then not looked at) or `prismatic`.
     pub kind: &'static str,
     pub xyz: [f64; 3],
     pub rpy: [f64; 3],
@@ -47,7 +48,10 @@ pub fn chain(root: ([f64; 3], [f64; 3]), joints: &[Joint], tool: ([f64; 3], [f64
     let row = |v: [f64; 3]| format!("{} {} {}", v[0], v[1], v[2]);
     let origin = |(xyz, rpy): ([f64; 3], [f64; 3])| format!("<origin xyz=\"{}\" rpy=\"{}\"/>", row(xyz), row(rpy));
     let fixed = |name: &str, parent: &str, child: &str, pose| {
-        format!("<joint name=\"{name}\" type=\"fixed\"><parent link=\"{parent}\"/><child link=\"{child}\"/>{}</joint>\n", origin(pose))
+        format!(
+            "<joint name=\"{name}\" type=\"fixed\"><parent link=\"{parent}\"/><child link=\"{child}\"/>{}</joint>\n",
+            origin(pose)
+        )
     };
     let mut urdf = "<robot name=\"chain\">\n<link name=\"root\"/><link name=\"l0\"/>\n".to_owned();
     urdf += &fixed("mount", "root", "l0", root);
@@ -165,6 +169,52 @@ pub fn iiwa() -> Robot {
         joint(0.081, Z, 175.0),
     ];
     chain(([0.0; 3], [0.0; 3]), &joints, ([0.0, 0.0, 0.1], [0.0; 3]))
+}
+
+/// A PR2's left arm, from its shoulder, with the cup where the gripper's tool is: the last three axes
+/// meet, and the second and third; the first passes beside. The rolls turn without end.
+pub fn pr2() -> Robot {
+    const X: [f64; 3] = [1.0, 0.0, 0.0];
+    const Y: [f64; 3] = [0.0, 1.0, 0.0];
+    const Z: [f64; 3] = [0.0, 0.0, 1.0];
+    let turns = |x, axis, limits| Joint { kind: "revolute", xyz: [x, 0.0, 0.0], rpy: [0.0; 3], axis, limits };
+    let rolls = |x| Joint { kind: "continuous", ..turns(x, X, [0.0; 2]) };
+    let joints = [
+        turns(0.0, Z, [-0.714601836603, 2.2853981634]),
+        turns(0.1, Y, [-0.5236, 1.3963]),
+        turns(0.0, X, [-0.8, 3.9]),
+        turns(0.4, Y, [-2.3213, 0.0]),
+        rolls(0.0),
+        turns(0.321, Y, [-2.094, 0.0]),
+        rolls(0.0),
+    ];
+    chain(([-0.05, 0.188, 0.79], [0.0; 3]), &joints, ([0.18, 0.0, 0.0], [0.0; 3]))
+}
+
+/// Of a PR2's build with everything else random: lengths, offsets of the first axis and the elbow's,
+/// angles between axes, mount, tool and limits.
+pub fn like_pr2(random: &mut Random) -> Robot {
+    use clearway_geometry::Mat3;
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let mut within = |size: f64| random.random_range(-size..size);
+    let mut joints: [Joint; 7] = std::array::from_fn(|i| {
+        // The axis, z, is turned by 50° to 130° about x from the one before.
+        let rpy = [FRAC_PI_2.copysign(within(1.0)) + within(0.7), 0.0, 0.0];
+        // Joints 3, 6 and 7 are somewhere on axes that meet the one before where that joint is.
+        let z = Mat3::from_axis_angle(Vec3::X, rpy[0]) * Vec3::Z;
+        let xyz = match i {
+            2 | 5 | 6 => (z * within(0.1)).to_array(),
+            3 | 4 => [within(0.3), within(0.3), within(0.3)],
+            _ => [within(0.2), within(0.2), within(0.2)],
+        };
+        let (middle, half) = (within(1.0), 1.2 + within(0.8));
+        Joint { kind: "revolute", xyz, rpy, axis: [0.0, 0.0, 1.0], limits: [middle - half, middle + half] }
+    });
+    // Joint 6 was moved along its axis; the seventh passes where the fifth and sixth meet.
+    let along = Vec3::from_array(joints[5].xyz).dot(Mat3::from_axis_angle(Vec3::X, joints[5].rpy[0]) * Vec3::Z);
+    joints[6].xyz[2] -= along;
+    let mut pose = || ([within(0.3), within(0.3), within(0.3)], [within(PI), within(1.5), within(PI)]);
+    chain(pose(), &joints, pose())
 }
 
 /// A Fetch: a torso that slides, and seven joints with an offset at the shoulder.
