@@ -92,9 +92,9 @@ SHELLS = {"shoulder_v0/shoulder_lift", "upper_arm_v0/elbow_flex"}
 """Without walls where the next link begins: measured against their convex hulls."""
 
 COARSE = {
-    "base_link": (0.075, 0.022),
+    "base_link": (0.050, 0.021),
     "torso_lift_link": (0.082, 0.014),
-    "head_pan_link": (0.065, 0.019),
+    "head_pan_link": (0.045, 0.016),
     "l_shoulder_pan_link": (0.080, 0.012),
     "l_shoulder_lift_link": (0.058, 0.014),
 }
