@@ -1,7 +1,8 @@
 //! Which pairs of links are checked against each other.
 //!
 //! Not checked are: links joined by a joint (across links without shape, too), links of the hand
-//! among themselves, and pairs whose exact shapes touch in nearly every posture. The plan file
+//! among themselves, links that do not move against each other, and pairs whose exact shapes touch in
+//! nearly every posture. The plan file
 //! may leave out pairs that touch in at least 70 % of postures drawn uniformly; the mark here is
 //! higher, so that another draw does not fall on the other side.
 
@@ -39,9 +40,17 @@ pub fn checked_pairs(robot: &Robot, kinematics: &Kinematics) -> (Vec<(usize, usi
             *count += usize::from(overlap(robot, &frames, a, b));
         }
     }
+    // Links that do not move against each other keep their distance, however small.
+    let moves = |&(a, b): &(usize, usize)| {
+        kinematics.moved_by[a] != kinematics.moved_by[b] || kinematics.moved_by_hand[a] != kinematics.moved_by_hand[b]
+    };
     let mut checked = Vec::new();
     for (pair, count) in candidates.into_iter().zip(touching) {
-        if count as f64 >= ALWAYS * SAMPLES as f64 { unchecked.push(pair) } else { checked.push(pair) }
+        if count as f64 >= ALWAYS * SAMPLES as f64 {
+            unchecked.push(pair);
+        } else if moves(&pair) {
+            checked.push(pair);
+        }
     }
     unchecked.sort_unstable();
     let name = |i: usize| robot.links[i].name.clone();

@@ -1,5 +1,5 @@
-//! Where the hand gets to, sampled: for choosing where a mobile base should stand (inverse
-//! reachability; Vahrenkamp, Asfour and Dillmann 2013).
+//! Where the hand gets to, sampled once for each robot: for choosing where a mobile base should stand
+//! (Vahrenkamp, Asfour and Dillmann 2013).
 //!
 //! Postures are drawn evenly over the joints' ranges, and counted by where the tool is in the root
 //! frame and which way it points: cells of 10 cm and, where it points level, of 30°. What is counted
@@ -63,31 +63,10 @@ impl Reachability {
         self.cell(root_from_tool).map_or(0, |cell| usize::from(self.met[cell]))
     }
 
-    /// Placements from which the tool was met near a pose of the world, each with how often: one for each
-    /// cell at its height. The root is taken to be upright, as high as in `world_from_root`.
-    pub fn placements(&self, world_from_tool: &Pose, root_height: f64, mut each: impl FnMut(Placement, usize)) {
-        let level = (world_from_tool.translation.z - root_height - self.low.z) / CELL;
-        if !(level >= 0.0 && level < self.count[2] as f64) {
-            return;
-        }
-        for bin in 0..YAWS {
-            let middle = (bin as f64 + 0.5) * TAU / YAWS as f64 - PI;
-            // Where a tool points up or down any yaw of the base will do.
-            let (class, base_yaw) = match Pointing::of(world_from_tool) {
-                Pointing::Level { yaw } => (bin, (yaw - middle + PI).rem_euclid(TAU) - PI),
-                steep => (steep.class(), middle),
-            };
-            for i in 0..self.count[0] {
-                for j in 0..self.count[1] {
-                    let met = self.met[self.index(i, j, level as usize, class)];
-                    if met > 0 {
-                        let tool = self.low.truncate() + (Vec2::new(i as f64, j as f64) + 0.5) * CELL;
-                        let at = world_from_tool.translation.truncate() - Vec2::from_angle(base_yaw).rotate(tool);
-                        each([at.x, at.y, base_yaw], usize::from(met));
-                    }
-                }
-            }
-        }
+    /// No tool was met farther from the root's axis, metres.
+    pub fn farthest(&self) -> f64 {
+        let (low, high) = (self.low.truncate(), self.low.truncate() + CELL * Vec2::new(self.count[0] as f64, self.count[1] as f64));
+        low.abs().max(high.abs()).length()
     }
 
     fn cell(&self, root_from_tool: &Pose) -> Option<usize> {

@@ -17,7 +17,8 @@ mod stops;
 use crate::carry::{Attempt, Carrier, Situation, obstructed};
 use crate::feasibility::Unfit;
 use crate::grasps::Grasp;
-use clearway_collision::{CollisionModel, Contact, Moment, Scratch, Standing, Touch, World};
+use clearway_collision::lanes::Suspects;
+use clearway_collision::{CollisionModel, Contact, Moment, Quick, Scratch, Standing, Touch, World};
 use clearway_geometry::{Convex, Mat3, Pose, Solid, Vec3};
 use clearway_motion::{Posture, Timed};
 use clearway_plan::plan_file::SideWhy;
@@ -115,7 +116,10 @@ impl Base {
         let of_side = |(bearing, free, blocked): (f64, usize, &[Placement])| {
             let mut met: Vec<(String, usize)> = Vec::new();
             for placement in blocked.iter().take(LOOKED_AT) {
-                let mut names: Vec<String> = self.contacts(placement, arm, self.settings.margin).into_iter().map(Contact::other).collect();
+                let mut names: Vec<String> = {
+                    let met = self.contacts(placement, arm, self.settings.margin).into_iter();
+                    met.filter(|c| !matches!(c, Contact::Links(..))).map(Contact::other).collect()
+                };
                 if !self.in_bounds(placement) {
                     names.push(NAME_OF_CURB.to_owned());
                 }
@@ -157,14 +161,18 @@ impl Base {
         [x, y, turn].iter().zip(velocity).map(|(d, v)| d.abs() / v).fold(0.0, f64::max)
     }
 
-    /// Whether the robot may stand at a placement, its arm like this, among all objects; what it touches.
-    pub fn stands_free(&self, placement: &Placement, arm: &[f64], scratch: &mut Scratch) -> Touch {
-        let mut moment = Moment::new(ObjectSet::first(self.driving.objects.len()), self.robot().hand.open(), self.settings.margin);
+    /// Whether the robot may stand at each of some placements, at most [`clearway_collision::lanes::LANES`], its arm like this, among all
+    /// objects.
+    pub fn stands_free(&self, placements: &[Placement], arm: &[f64]) -> Vec<bool> {
+        let mut moment = Moment::new(self.scene.all(), self.robot().hand.open(), self.settings.margin);
         moment.held_margin = moment.margin;
-        if !self.in_bounds(placement) {
-            return Touch::Fixed;
-        }
-        self.driving.touched(&whole(placement, arm), &moment, scratch)
+        let postures: Vec<Posture> = placements.iter().map(|p| whole(p, arm)).collect();
+        let mut suspects = Suspects::default();
+        Quick::links(&self.driving, &moment).suspects(&postures, &mut suspects);
+        let mut scratch = Scratch::default();
+        let free = |(lane, q): (usize, &Posture)| self.driving.touched_among(q, &moment, &suspects, lane, &mut scratch) == Touch::FREE;
+        let free: Vec<bool> = postures.iter().enumerate().map(free).collect();
+        placements.iter().zip(free).map(|(p, free)| free && self.in_bounds(p)).collect()
     }
 
     /// Drives to a placement, the arm as it is, with what the hand holds.

@@ -1,24 +1,23 @@
-//! Where the base may stand: placements from which the arm gets to the objects and to the places, by
-//! inverse reachability, and of these a few that together serve as much as can be.
+//! Where the base may stand: placements from which the arm gets to the objects and to the places
+//! ([`Reachability`] tells which), and of these a few that together serve as much as can be.
 //!
 //! What counts as served are the declared grasps, those of the target more than others', and spots to put
-//! it down. Placements are drawn round each of them as often as the hand was met there
-//! ([`clearway_robot::Reachability`]); those where the robot meets something are left out. Then the
-//! placement that adds most is taken, again and again.
+//! it down. Placements are looked at on a grid, those on each side of the target that serve most first, until
+//! enough are found at which the robot meets nothing. Then the placement that adds most is taken, again
+//! and again.
 
 use super::Base;
 use crate::grasps::preset_grasps;
 use crate::place::{self, Spot};
-use clearway_collision::{Scratch, Touch, World};
-use clearway_geometry::{Pose, Vec2, Vec3};
+use clearway_collision::World;
+use clearway_collision::lanes::LANES;
+use clearway_geometry::{Pose, Vec2};
 use clearway_plan::ObjectId;
 use clearway_robot::{Placement, Reachability};
 use clearway_scene::Scene;
-use rand::{Rng, RngExt, SeedableRng};
-use rand_xoshiro::Xoshiro256PlusPlus;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-/// Where placements from which the target could be reached were drawn, as seen from the target.
+/// What was found at the placements that serve most, by side as seen from the target.
 #[derive(Clone, Debug, Default)]
 pub struct Sides {
     /// By side: placements at which the robot can stand.
@@ -51,12 +50,18 @@ struct Errand {
 
 /// How often the hand has to be met for a pose to count as well served.
 const ENOUGH: f64 = 6.0;
-/// Placements drawn for a grasp of the target, and for other errands.
-const FOR_TARGET: usize = 5;
-const FOR_OTHERS: usize = 1;
+/// Of the grid: metres, directions, and paces at most along a side.
+const PACE: f64 = 0.1;
+const YAWS: usize = 16;
+const MOST_PACES: f64 = 80.0;
+/// Placements tried on a side at most, and enough that are free.
+const TRIED: usize = 640;
+const FREE: usize = 48;
 /// Grasps of other objects looked at, and spots of a place.
 const GRASPS: usize = 12;
 const SPOTS: usize = 8;
+/// Every so many of the target's grasps and the spots' are enough to tell what a placement is worth.
+const EVERY: usize = 3;
 /// What a target's grasp and a place's spot count beside another object's grasp.
 const TARGET: f64 = 4.0;
 const SPOT: f64 = 6.0;
@@ -119,6 +124,12 @@ impl Served {
         self.from(reachability, root_from_world)[self.places..].iter().sum()
     }
 
+    /// What is served of the target, by some of its grasps, and of the places; quickly told.
+    fn worth(&self, reachability: &Reachability, root_from_world: &Pose) -> f64 {
+        let met = |e: &Errand| (reachability.met(&(*root_from_world * e.world_from_tool)) as f64 / ENOUGH).min(1.0) * e.weight;
+        self.errands.iter().filter(|e| e.weight > 1.0).step_by(EVERY).map(met).sum()
+    }
+
     fn weights(&self) -> Vec<f64> {
         let mut weights = vec![0.0; self.groups];
         for errand in &self.errands {
@@ -128,39 +139,36 @@ impl Served {
     }
 }
 
-/// The stops after the start, the most useful first; and on which sides there is none, because of what.
+/// The stops after the start, the most useful first, and what was found on the sides of the target.
 pub fn choose(base: &Base, scene: &Scene, served: &Served, reachability: &Reachability, arm: &[f64]) -> (Vec<Placement>, Sides) {
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(0x5374_6f70);
-    let mut scratch = Scratch::default();
-    let weights = served.weights();
     let target = scene.objects[scene.target.index()].pose.translation.truncate();
+    let weights = served.weights();
+    // By side: placements that serve something, and how much.
+    let mut useful: Vec<Vec<(f64, Placement)>> = vec![Vec::new(); Sides::COUNT];
+    for placement in grid(base, served, reachability) {
+        let root_from_world = base.world_from_root(placement).inverse();
+        let worth = served.worth(reachability, &root_from_world);
+        if worth > 0.0 {
+            let root = base.world_from_root(placement).translation.truncate();
+            useful[Sides::of((root - target).to_angle())].push((worth, placement));
+        }
+    }
     let mut sides = Sides::default();
     let mut candidates: Vec<(Placement, Vec<f64>)> = Vec::new();
-    let mut drawn = Vec::new();
-    for errand in &served.errands {
-        let draws = if errand.weight == TARGET { FOR_TARGET } else { FOR_OTHERS };
-        let height = base.driving.world_from_root.translation.z;
-        drawn.clear();
-        let mut total = 0.0;
-        reachability.placements(&errand.world_from_tool, height, |placement, met| {
-            total += met as f64;
-            drawn.push((placement, total));
-        });
-        for _ in 0..draws.min(drawn.len()) {
-            let at = random.random::<f64>() * total;
-            let world = drawn[drawn.partition_point(|(_, sum)| *sum < at).min(drawn.len() - 1)].0;
-            let placement = in_base(base, jittered(world, &mut random));
-            let root = base.world_from_root(placement);
-            let touch = base.stands_free(&placement, arm, &mut scratch);
-            if errand.weight == TARGET {
-                let bearing = (root.translation.truncate() - target).to_angle();
-                match touch {
-                    Touch::FREE => sides.free[Sides::of(bearing)] += 1,
-                    _ => sides.blocked[Sides::of(bearing)].push(placement),
+    for (side, mut useful) in useful.into_iter().enumerate() {
+        useful.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for some in useful[..useful.len().min(TRIED)].chunks(LANES) {
+            let placements: Vec<Placement> = some.iter().map(|(_, p)| *p).collect();
+            for (placement, free) in placements.iter().zip(base.stands_free(&placements, arm)) {
+                if free {
+                    sides.free[side] += 1;
+                    candidates.push((*placement, served.from(reachability, &base.world_from_root(*placement).inverse())));
+                } else {
+                    sides.blocked[side].push(*placement);
                 }
             }
-            if touch == Touch::FREE {
-                candidates.push((placement, served.from(reachability, &root.inverse())));
+            if sides.free[side] >= FREE {
+                break;
             }
         }
     }
@@ -183,16 +191,17 @@ pub fn choose(base: &Base, scene: &Scene, served: &Served, reachability: &Reacha
     (stops, sides)
 }
 
-/// The cells of the map are wide: somewhere within.
-fn jittered([x, y, yaw]: Placement, random: &mut impl Rng) -> Placement {
-    let mut about = |width: f64| (random.random::<f64>() - 0.5) * width;
-    [x + about(0.1), y + about(0.1), yaw + about(0.26)]
-}
-
-/// A placement of the root in the world as values of the base's joints.
-fn in_base(base: &Base, [x, y, yaw]: Placement) -> Placement {
+/// Placements all round what is to be reached.
+fn grid(base: &Base, served: &Served, reachability: &Reachability) -> impl Iterator<Item = Placement> {
     let zero = base.driving.world_from_root;
-    let at = zero.inverse_point(Vec3::new(x, y, zero.translation.z));
-    let ahead = zero.rotation.x_axis;
-    [at.x, at.y, yaw - ahead.y.atan2(ahead.x)]
+    let at = |e: &Errand| zero.inverse_point(e.world_from_tool.translation).truncate();
+    let low = served.errands.iter().map(at).reduce(|a, b| a.min(b)).unwrap_or_default() - reachability.farthest();
+    let high = served.errands.iter().map(at).reduce(|a, b| a.max(b)).unwrap_or_default() + reachability.farthest();
+    let count = ((high - low) / PACE).ceil().min(Vec2::splat(MOST_PACES));
+    let (nx, ny) = (count.x as usize + 1, count.y as usize + 1);
+    (0..nx * ny * YAWS).map(move |i| {
+        let (yaw, cell) = (i % YAWS, i / YAWS);
+        let p = low + PACE * Vec2::new((cell % nx) as f64, (cell / nx) as f64);
+        [p.x, p.y, yaw as f64 * TAU / YAWS as f64 - PI]
+    })
 }
