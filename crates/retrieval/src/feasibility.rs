@@ -252,7 +252,7 @@ impl Feasibility {
             self.stands.push(stand_at(&self.scene, &standing.model, base, placement));
         }
         for stand in &mut self.stands {
-            stand.spots = served.spots(&standing.reachability, &stand.world.root_from_world);
+            stand.spots = served.spots(&standing.reachability, &stand.world.world_from_root);
         }
     }
 

@@ -12,5 +12,5 @@ pub use description::{Hand, Joint, JointKind, Link, MeshSource, Mimic, Robot};
 pub use group::Group;
 pub use inverse::InverseKinematics;
 pub use kinematics::{Kinematics, LinkStep, Motion};
-pub use reachability::{Placement, Reachability};
+pub use reachability::{Aim, Placement, Reachability, Root};
 pub use spheres::{Sphere, bounding as bounding_sphere, cover, cover_link};

@@ -88,10 +88,15 @@ fn cover_convex(convex: &Convex, cell: f64) -> Vec<Sphere> {
     }
 }
 
+/// Metres.
+const THICK: f64 = 0.1;
+
 /// Cells of a box, those kept that meet the shape.
 fn grid(half: Vec3, centre: Vec3, cell: f64, convex: &Convex) -> Vec<Sphere> {
+    // A plate is one layer of spheres; what is thicker than that has several, or they would stick out far.
     let thin = half.min_element() * 2.0;
-    let width = cell.max(thin);
+    let layers = if thin > THICK { 3.0 } else { 1.0 };
+    let width = cell.max(thin / layers);
     let count = (half * 2.0 / width).ceil().max(Vec3::ONE).min(Vec3::splat(16.0));
     let step = half * 2.0 / count;
     let radius = step.length() / 2.0;

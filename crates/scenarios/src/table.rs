@@ -13,7 +13,7 @@ pub const ROBOT: &str = "pr2_left";
 /// Metres: the top's height and thickness, its sides; legs.
 const TOP: f64 = 0.72;
 const THICK: f64 = 0.03;
-const LEG: f64 = 0.06;
+const LEG: f64 = 0.05;
 /// Objects stand in a disc of this radius for 20 of them, and of as much room each for more or fewer.
 const CLUTTER: f64 = 0.34;
 /// Between the disc and the table's edge.
@@ -25,7 +25,9 @@ const GAP: f64 = 0.004;
 /// The target is no farther from the middle than this.
 const AMID: f64 = 0.04;
 /// The robot's zero is this far before the table's edge, and the floor is free so far round the table.
-const BEFORE: f64 = 0.36;
+const BEFORE: f64 = 0.17;
+/// And so far to the right of its middle: the left arm works before it.
+const ASIDE: f64 = 0.12;
 const AROUND: f64 = 1.6;
 const PLACES: usize = 2000;
 const STARTS: usize = 40;
@@ -61,7 +63,7 @@ pub(crate) fn draw(objects: usize, random: &mut impl Rng) -> Result<SceneFile, N
 fn scene(discs: &[Disc], target: usize, clutter: f64) -> SceneFile {
     let half = clutter + RADIUS[1] + STRIP;
     let under = TOP - THICK;
-    let foot = half - LEG;
+    let foot = half - LEG / 2.0;
     let mut fixtures = vec![bx("table_top", [2.0 * half, 2.0 * half, THICK], [0.0, 0.0, TOP - THICK / 2.0])];
     for (i, (x, y)) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)].into_iter().enumerate() {
         fixtures.push(bx(&format!("table_leg_{}", i + 1), [LEG, LEG, under], [x * foot, y * foot, under / 2.0]));
@@ -76,7 +78,7 @@ fn scene(discs: &[Disc], target: usize, clutter: f64) -> SceneFile {
         frame: "world".to_owned(),
         robot: RobotPlacement {
             model: ROBOT.to_owned(),
-            base: PoseKeys { position: [tidy(-half - BEFORE), 0.0, 0.0], rpy: Some([0.0; 3]), quaternion: None },
+            base: PoseKeys { position: [tidy(-half - BEFORE), -ASIDE, 0.0], rpy: Some([0.0; 3]), quaternion: None },
             start: None,
             region: Some(Rect { min: [-far, -far], max: [far, far] }),
         },

@@ -161,18 +161,12 @@ impl Base {
         [x, y, turn].iter().zip(velocity).map(|(d, v)| d.abs() / v).fold(0.0, f64::max)
     }
 
-    /// Whether the robot may stand at each of some placements, at most [`clearway_collision::lanes::LANES`], its arm like this, among all
-    /// objects.
-    pub fn stands_free(&self, placements: &[Placement], arm: &[f64]) -> Vec<bool> {
+    /// For asking where the robot may stand, its arm like this, among all objects.
+    fn standing<'a>(&'a self, arm: &'a [f64]) -> StandsFree<'a> {
         let mut moment = Moment::new(self.scene.all(), self.robot().hand.open(), self.settings.margin);
         moment.held_margin = moment.margin;
-        let postures: Vec<Posture> = placements.iter().map(|p| whole(p, arm)).collect();
-        let mut suspects = Suspects::default();
-        Quick::links(&self.driving, &moment).suspects(&postures, &mut suspects);
-        let mut scratch = Scratch::default();
-        let free = |(lane, q): (usize, &Posture)| self.driving.touched_among(q, &moment, &suspects, lane, &mut scratch) == Touch::FREE;
-        let free: Vec<bool> = postures.iter().enumerate().map(free).collect();
-        placements.iter().zip(free).map(|(p, free)| free && self.in_bounds(p)).collect()
+        let quick = Quick::links(&self.driving, &moment);
+        StandsFree { base: self, arm, moment, quick, suspects: Suspects::default(), scratch: Scratch::default() }
     }
 
     /// Drives to a placement, the arm as it is, with what the hand holds.
@@ -227,6 +221,28 @@ impl Base {
             Some(obstruction) => Ok(Err(obstruction)),
             None => obstructed(WHAT, ObjectSet::EMPTY),
         }
+    }
+}
+
+/// Asked where a robot may stand.
+struct StandsFree<'a> {
+    base: &'a Base,
+    arm: &'a [f64],
+    moment: Moment,
+    quick: Quick,
+    suspects: Suspects,
+    scratch: Scratch,
+}
+
+impl StandsFree<'_> {
+    /// For each of some placements, at most [`clearway_collision::lanes::LANES`].
+    fn free(&mut self, placements: &[Placement]) -> Vec<bool> {
+        let postures: Vec<Posture> = placements.iter().map(|p| whole(p, self.arm)).collect();
+        self.quick.suspects(&postures, &mut self.suspects);
+        let Self { base, moment, suspects, scratch, .. } = self;
+        let free = |(lane, q): (usize, &Posture)| base.driving.touched_among(q, moment, suspects, lane, scratch) == Touch::FREE;
+        let free: Vec<bool> = postures.iter().enumerate().map(free).collect();
+        placements.iter().zip(free).map(|(p, free)| free && base.in_bounds(p)).collect()
     }
 }
 

@@ -13,7 +13,7 @@ use clearway_collision::World;
 use clearway_collision::lanes::LANES;
 use clearway_geometry::{Pose, Vec2};
 use clearway_plan::ObjectId;
-use clearway_robot::{Placement, Reachability};
+use clearway_robot::{Aim, Placement, Reachability, Root};
 use clearway_scene::Scene;
 use std::f64::consts::{PI, TAU};
 
@@ -42,7 +42,7 @@ impl Sides {
 
 /// Something to be reached with the hand.
 struct Errand {
-    world_from_tool: Pose,
+    aim: Aim,
     /// Errands of one group are served when one of them is.
     group: usize,
     weight: f64,
@@ -61,7 +61,7 @@ const FREE: usize = 48;
 const GRASPS: usize = 12;
 const SPOTS: usize = 8;
 /// Every so many of the target's grasps and the spots' are enough to tell what a placement is worth.
-const EVERY: usize = 3;
+const EVERY: usize = 5;
 /// What a target's grasp and a place's spot count beside another object's grasp.
 const TARGET: f64 = 4.0;
 const SPOT: f64 = 6.0;
@@ -73,6 +73,8 @@ pub struct Served {
     errands: Vec<Errand>,
     groups: usize,
     places: usize,
+    /// Errands that tell what a placement is worth: every so many of the target's and of the places'.
+    telling: Vec<usize>,
 }
 
 impl Served {
@@ -86,7 +88,7 @@ impl Served {
             let step = if is_target { 1 } else { grasps.len().div_ceil(GRASPS).max(1) };
             let weight = if is_target { TARGET } else { 1.0 };
             for grasp in grasps.iter().step_by(step) {
-                errands.push(Errand { world_from_tool: scene.objects[index].pose * grasp.object_from_tool, group: groups, weight });
+                errands.push(Errand { aim: Aim::of(&(scene.objects[index].pose * grasp.object_from_tool)), group: groups, weight });
                 groups += 1;
             }
         }
@@ -100,19 +102,20 @@ impl Served {
             for spot in spots.iter().step_by(spots.len().div_ceil(SPOTS).max(1)) {
                 let Some(pose) = place::standing_at(&target.solid, &target.pose, 0.0, spot, &scene.places[index]) else { continue };
                 for grasp in grasps.iter().step_by(step) {
-                    errands.push(Errand { world_from_tool: pose * grasp.object_from_tool, group: groups, weight: SPOT });
+                    errands.push(Errand { aim: Aim::of(&(pose * grasp.object_from_tool)), group: groups, weight: SPOT });
                 }
                 groups += 1;
             }
         }
-        Self { errands, groups, places }
+        let telling = (0..errands.len()).filter(|&i| errands[i].weight > 1.0).step_by(EVERY).collect();
+        Self { errands, groups, places, telling }
     }
 
     /// By group: how well it is served by a robot whose root is there, from 0 to 1.
-    fn from(&self, reachability: &Reachability, root_from_world: &Pose) -> Vec<f64> {
+    fn from(&self, reachability: &Reachability, root: &Root) -> Vec<f64> {
         let mut served = vec![0.0f64; self.groups];
         for errand in &self.errands {
-            let met = reachability.met(&(*root_from_world * errand.world_from_tool)) as f64;
+            let met = reachability.met(root, &errand.aim) as f64;
             let group = &mut served[errand.group];
             *group = group.max((met / ENOUGH).min(1.0));
         }
@@ -120,14 +123,14 @@ impl Served {
     }
 
     /// How many spots for what is put down are served from there.
-    pub fn spots(&self, reachability: &Reachability, root_from_world: &Pose) -> f64 {
-        self.from(reachability, root_from_world)[self.places..].iter().sum()
+    pub fn spots(&self, reachability: &Reachability, world_from_root: &Pose) -> f64 {
+        self.from(reachability, &Root::of(world_from_root))[self.places..].iter().sum()
     }
 
     /// What is served of the target, by some of its grasps, and of the places; quickly told.
-    fn worth(&self, reachability: &Reachability, root_from_world: &Pose) -> f64 {
-        let met = |e: &Errand| (reachability.met(&(*root_from_world * e.world_from_tool)) as f64 / ENOUGH).min(1.0) * e.weight;
-        self.errands.iter().filter(|e| e.weight > 1.0).step_by(EVERY).map(met).sum()
+    fn worth(&self, reachability: &Reachability, root: &Root) -> f64 {
+        let met = |e: &Errand| (reachability.met(root, &e.aim) as f64 / ENOUGH).min(1.0) * e.weight;
+        self.telling.iter().map(|&i| met(&self.errands[i])).sum()
     }
 
     fn weights(&self) -> Vec<f64> {
@@ -146,23 +149,24 @@ pub fn choose(base: &Base, scene: &Scene, served: &Served, reachability: &Reacha
     // By side: placements that serve something, and how much.
     let mut useful: Vec<Vec<(f64, Placement)>> = vec![Vec::new(); Sides::COUNT];
     for placement in grid(base, served, reachability) {
-        let root_from_world = base.world_from_root(placement).inverse();
-        let worth = served.worth(reachability, &root_from_world);
+        let root = Root::of(&base.world_from_root(placement));
+        let worth = served.worth(reachability, &root);
         if worth > 0.0 {
             let root = base.world_from_root(placement).translation.truncate();
             useful[Sides::of((root - target).to_angle())].push((worth, placement));
         }
     }
     let mut sides = Sides::default();
+    let mut standing = base.standing(arm);
     let mut candidates: Vec<(Placement, Vec<f64>)> = Vec::new();
     for (side, mut useful) in useful.into_iter().enumerate() {
         useful.sort_by(|a, b| b.0.total_cmp(&a.0));
         for some in useful[..useful.len().min(TRIED)].chunks(LANES) {
             let placements: Vec<Placement> = some.iter().map(|(_, p)| *p).collect();
-            for (placement, free) in placements.iter().zip(base.stands_free(&placements, arm)) {
+            for (placement, free) in placements.iter().zip(standing.free(&placements)) {
                 if free {
                     sides.free[side] += 1;
-                    candidates.push((*placement, served.from(reachability, &base.world_from_root(*placement).inverse())));
+                    candidates.push((*placement, served.from(reachability, &Root::of(&base.world_from_root(*placement)))));
                 } else {
                     sides.blocked[side].push(*placement);
                 }
@@ -172,7 +176,7 @@ pub fn choose(base: &Base, scene: &Scene, served: &Served, reachability: &Reacha
             }
         }
     }
-    let mut best = served.from(reachability, &base.world_from_root(base.start).inverse());
+    let mut best = served.from(reachability, &Root::of(&base.world_from_root(base.start)));
     let all: f64 = weights.iter().sum();
     let mut stops = Vec::new();
     while stops.len() + 1 < base.settings.stops {
@@ -194,7 +198,7 @@ pub fn choose(base: &Base, scene: &Scene, served: &Served, reachability: &Reacha
 /// Placements all round what is to be reached.
 fn grid(base: &Base, served: &Served, reachability: &Reachability) -> impl Iterator<Item = Placement> {
     let zero = base.driving.world_from_root;
-    let at = |e: &Errand| zero.inverse_point(e.world_from_tool.translation).truncate();
+    let at = |e: &Errand| zero.inverse_point(e.aim.at).truncate();
     let low = served.errands.iter().map(at).reduce(|a, b| a.min(b)).unwrap_or_default() - reachability.farthest();
     let high = served.errands.iter().map(at).reduce(|a, b| a.max(b)).unwrap_or_default() + reachability.farthest();
     let count = ((high - low) / PACE).ceil().min(Vec2::splat(MOST_PACES));
