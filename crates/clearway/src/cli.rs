@@ -243,6 +243,8 @@ pub enum Experiment {
     Optimal(BenchRetrievalArgs),
     /// Hidden objects (Table II): rules where to look, and the same scenes with all objects known.
     Occlusion(BenchRetrievalArgs),
+    /// Table III and Fig. 9: 20 objects on a table, a base that drives against the same base fixed.
+    Mobile(BenchRetrievalArgs),
     /// Make tables (Markdown, CSV) and figures (SVG) from the rows in a directory, beside them.
     Report(BenchReportArgs),
 }

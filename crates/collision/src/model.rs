@@ -37,8 +37,10 @@ pub struct CollisionModel {
     pub link_reach: Vec<Vec<f64>>,
     /// The same for the tool's frame alone.
     pub tool_reach: Vec<f64>,
-    /// The robot's joints as a group, and its links covered by spheres, for quick answers.
+    /// The robot's joints as a group.
     pub group: Group,
+    /// Its links covered by spheres, for quick answers. Of a robot that drives it knows nothing of links that
+    /// touch each other: it is asked about drives alone, in which the arm is still.
     pub kernel: Arc<Kernel>,
     /// For a base that drives: the robot while it stands.
     pub standing: Option<Arc<Standing>>,
@@ -83,18 +85,26 @@ impl CollisionModel {
                 })
             })
             .collect();
-        let (pairs, unchecked) = crate::pairs::checked_pairs(&robot, &kinematics);
-        let link_reach = (0..links.len())
-            .map(|l| reach(&robot, &kinematics, l, links[l].as_ref().map_or(0.0, |b| b.bound.centre.length() + b.bound.radius)))
-            .collect();
-        let tool_reach = reach(&robot, &kinematics, robot.hand.frame, 0.0);
-        let group = Group::from(&*robot);
-        let kernel = Arc::new(kernel(&robot, &group, &pairs));
         let standing = robot.standing().map(|standing| {
             let model = Arc::new(CollisionModel::new(Arc::new(standing)));
             let reachability = Reachability::of(&model.kinematics, &model.robot.lower, &model.robot.upper);
             Arc::new(Standing { model, reachability })
         });
+        // Where the base carries all that has a shape, links are to each other as if it stood.
+        let carried = |l: usize| links[l].is_none() || kinematics.moved_by[l] & 1 == 1;
+        let same = standing.as_ref().map(|s| &s.model).filter(|_| (0..links.len()).all(carried));
+        let (pairs, unchecked) = match same {
+            Some(same) => (same.pairs.clone(), same.unchecked.clone()),
+            None => crate::pairs::checked_pairs(&robot, &kinematics),
+        };
+        let link_reach = (0..links.len())
+            .map(|l| reach(&robot, &kinematics, l, links[l].as_ref().map_or(0.0, |b| b.bound.centre.length() + b.bound.radius)))
+            .collect();
+        let tool_reach = reach(&robot, &kinematics, robot.hand.frame, 0.0);
+        let group = Group::from(&*robot);
+        // While it drives the arm is still: links that keep clear as it begins keep clear.
+        let checked = if same.is_some() { &[][..] } else { &pairs[..] };
+        let kernel = Arc::new(kernel(&robot, &group, checked));
         Self { robot, kinematics, links, pairs, unchecked, link_reach, tool_reach, group, kernel, standing }
     }
 
@@ -102,8 +112,8 @@ impl CollisionModel {
     pub fn holding(&self, held: &Solid) -> Arc<Kernel> {
         let hand: Vec<usize> = (0..self.links.len()).filter(|&l| self.links[l].as_ref().is_some_and(|l| l.hand)).collect();
         let spheres = cover(held, KERNEL_HELD_CELL);
-        let body = self.kernel.body.with_attached(&self.group, self.kinematics.tool, (held, &spheres), &hand, &body_settings());
-        Arc::new(Kernel { body, level: self.kernel.level, neighbours: self.kernel.neighbours.clone() })
+        let body = self.kernel.body.with_attached(&self.group, self.kinematics.tool, (held, &spheres), &hand, &BodySettings { still_aside: self.kernel.still.is_some(), ..body_settings() });
+        Arc::new(self.kernel.with_body(body))
     }
 
     /// The index by which suspects name what is held.
@@ -113,16 +123,20 @@ impl CollisionModel {
 }
 
 fn body_settings() -> BodySettings {
-    BodySettings { self_margin: SELF_MARGIN, ..BodySettings::default() }
+    BodySettings { self_margin: SELF_MARGIN, still_aside: true, ..BodySettings::default() }
+}
+
+/// By link: spheres for the kernel.
+fn kernel_spheres(robot: &Robot) -> Vec<Vec<Sphere>> {
+    let width = |link: usize| if robot.hand.links.contains(&link) { KERNEL_HAND_CELL } else { KERNEL_ARM_CELL };
+    robot.links.iter().enumerate().map(|(i, l)| cover(&l.collision, width(i))).collect()
 }
 
 /// The links' spheres, made ready for the kernel.
 fn kernel(robot: &Robot, group: &Group, pairs: &[(usize, usize)]) -> Kernel {
-    let width = |link: usize| if robot.hand.links.contains(&link) { KERNEL_HAND_CELL } else { KERNEL_ARM_CELL };
-    let spheres: Vec<Vec<Sphere>> = robot.links.iter().enumerate().map(|(i, l)| cover(&l.collision, width(i))).collect();
     let links = robot.links.len();
     let all = (0..links).flat_map(|a| (a + 1..links).map(move |b| (a, b)));
-    Kernel::of_covers(group, &spheres, all.filter(|pair| !pairs.contains(pair)).collect(), &body_settings())
+    Kernel::of_covers(group, &kernel_spheres(robot), all.filter(|pair| !pairs.contains(pair)).collect(), &body_settings())
 }
 
 /// For each arm joint that moves `link`: the chain's lengths from the joint to the link, added up,

@@ -3,7 +3,7 @@
 //! What is called free here is free of the exact shapes, too, margins included, for the spheres
 //! cover the links and what is held. Where the answer is *touching*, ask [`World`].
 
-use crate::lanes::{Around, Kernel, LANES, Lanes, Obstacles, Piece, Scratch, Suspects, Upright};
+use crate::lanes::{Around, Kernel, LANES, Lanes, Obstacles, Piece, Scratch, Suspects, Upright, owner_link};
 use crate::moment::{Held, Moment};
 use crate::obstacle::Obstacle;
 use crate::world::{Owner, World};
@@ -38,9 +38,15 @@ pub struct Quick {
     margin: f32,
     hand: f32,
     upright: Option<Upright>,
-    never: Vec<Vec<u16>>,
+    never: Arc<Vec<Vec<u16>>>,
     pub scratch: Scratch,
     joints: Vec<Lanes>,
+}
+
+impl Drop for Quick {
+    fn drop(&mut self) {
+        self.kernel.give_back(std::mem::take(&mut self.scratch));
+    }
 }
 
 impl Quick {
@@ -64,6 +70,7 @@ impl Quick {
         };
         let mut standing = Vec::new();
         let stands = |number: u32| match world.owner(number as usize) {
+            _ if owner_link(number).is_some() => true,
             Owner::Standing(id) => moment.standing.contains(id),
             Owner::Fixture(_) | Owner::Placed(_) => true,
         };
@@ -78,23 +85,21 @@ impl Quick {
                 least: lean.least as f32,
             }
         });
-        let mut never = vec![Vec::new(); kernel.body.parts.len()];
-        for (part, never) in kernel.body.parts.iter().zip(&mut never) {
-            if let Some(apart) = world.apart.get(part.link) {
-                if !apart.is_empty() {
-                    obstacles.mask(|owner| apart.contains(&(owner as usize)), never);
-                }
-            } else if let Some((held, _)) = held.filter(|_| moment.resting) {
-                let below = |number: u32| match world.owner(number as usize) {
-                    Owner::Fixture(index) => held.fixtures_below.contains(&index),
-                    Owner::Standing(id) => held.objects_below.contains(id),
-                    Owner::Placed(_) => false,
-                };
-                obstacles.mask(below, never);
-            }
+        let mut never = world.never.clone();
+        if let Some((held, _)) = held.filter(|_| moment.resting) {
+            let below = |number: u32| match world.owner(number as usize) {
+                _ if owner_link(number).is_some() => false,
+                Owner::Fixture(index) => held.fixtures_below.contains(&index),
+                Owner::Standing(id) => held.objects_below.contains(id),
+                Owner::Placed(_) => false,
+            };
+            let mut mask = Vec::new();
+            obstacles.mask(below, &mut mask);
+            // What is held comes after the links.
+            Arc::make_mut(&mut never).resize(kernel.body.parts.len(), mask);
         }
         let joints = vec![Lanes::ZERO; world.model.kinematics.arm_joints];
-        let scratch = kernel.scratch();
+        let scratch = kernel.lend();
         Self { kernel, obstacles, standing, margin: moment.margin as f32, hand: moment.hand as f32, upright, never, scratch, joints }
     }
 

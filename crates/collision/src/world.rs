@@ -1,6 +1,6 @@
 //! The robot, the fixtures and the objects, made ready for collision checks.
 
-use crate::lanes::{Obstacles, Relative};
+use crate::lanes::{Obstacles, Piece, Relative, link_owner, owner_link};
 use crate::model::{CollisionModel, TAGS_PER_LINK};
 use crate::moment::Held;
 use crate::obstacle::{MovingPart, Obstacle};
@@ -28,8 +28,9 @@ pub struct World {
     pub loads: Vec<ObjectSet>,
     /// `root_from_object`, where the scene has them.
     pub poses: Vec<Pose>,
-    /// By link: fixtures that it never touches, whatever the posture.
-    pub apart: Vec<Vec<usize>>,
+    /// By part of the kernel's body, as masks: what it never touches whatever the posture, and links that it
+    /// is not checked against.
+    pub(crate) never: Arc<Vec<Vec<u16>>>,
     /// By object id: what carries it where the scene has it.
     pub carriers: Vec<(Vec<usize>, ObjectSet)>,
     /// Fixtures, then objects where the scene has them, for the kernel.
@@ -77,7 +78,7 @@ impl World {
             carried: Vec::new(),
             loads: Vec::new(),
             poses: Vec::new(),
-            apart: Vec::new(),
+            never: Arc::default(),
             carriers: Vec::new(),
             obstacles: Arc::default(),
         };
@@ -93,8 +94,6 @@ impl World {
             Obstacle::new(solid, &(self.root_from_world * *pose), tag)
         };
         self.fixtures = scene.fixtures.iter().map(|f| place(&f.solid, &f.pose)).collect();
-        let near = |link: usize| (1..=MOVED_BY_FEW).contains(&self.model.kinematics.moved_by[link].count_ones());
-        self.apart = (0..self.model.links.len()).map(|link| if near(link) { self.never_touched(link) } else { Vec::new() }).collect();
         // What an object hides is not to be touched as long as it stands, like the object itself.
         let hidden = |index: usize| scene.hidden.iter().filter(move |h| h.behind.index() == index);
         self.objects = (0..)
@@ -128,7 +127,33 @@ impl World {
         let ids = (0..self.objects.len()).map(|i| ObjectId(i as u16));
         self.carriers = ids.map(|id| self.below(id, &self.poses[id.index()])).collect();
         let all = self.fixtures.iter().chain(&self.objects).enumerate();
-        self.obstacles = Arc::new(Obstacles::new(all.flat_map(|(i, o)| pieces(o, i)).collect()));
+        self.obstacles = Arc::new(Obstacles::new(all.flat_map(|(i, o)| pieces(o, i)).chain(self.still_links()).collect()));
+        self.never = Arc::new(self.never());
+    }
+
+    /// The links that stand still, where the kernel asks them as obstacles.
+    fn still_links(&self) -> Vec<Piece> {
+        let kinematics = &self.model.kinematics;
+        let mut frames = Vec::new();
+        kinematics.frames(&vec![0.0; kinematics.arm_joints], 0.0, &mut frames);
+        let still = |l: &usize| kinematics.moved_by[*l] == 0 && !kinematics.moved_by_hand[*l];
+        let links = (0..frames.len()).filter(|l| self.model.kernel.still.is_some() && still(l));
+        links.flat_map(|l| Piece::of_solid(&self.model.robot.links[l].collision, &frames[l], link_owner(l))).collect()
+    }
+
+    fn never(&self) -> Vec<Vec<u16>> {
+        let Self { model, .. } = self;
+        let near = |link: usize| (1..=MOVED_BY_FEW).contains(&model.kinematics.moved_by[link].count_ones());
+        let apart: Vec<Vec<usize>> =
+            (0..model.links.len()).map(|link| if near(link) { self.never_touched(link) } else { Vec::new() }).collect();
+        let mask = |link: usize| {
+            let mut mask = Vec::new();
+            let unchecked = |other: usize| !model.kernel.still.as_ref().is_some_and(|still| still.contains(&(link.min(other), link.max(other))));
+            self.obstacles.mask(|owner| owner_link(owner).map_or_else(|| apart[link].contains(&(owner as usize)), unchecked), &mut mask);
+            mask
+        };
+        let masks: Vec<Vec<u16>> = (0..model.links.len()).map(mask).collect();
+        model.kernel.body.parts.iter().map(|part| masks[part.link].clone()).collect()
     }
 
     pub(crate) fn owner(&self, number: usize) -> Owner {

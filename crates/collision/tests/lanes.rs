@@ -120,7 +120,7 @@ fn a_configuration_is_free_exactly_when_no_sphere_touches() {
             let shapes = obstacles(&mut random);
             let (indexed, standing) = index(&shapes);
             for level in levels() {
-                let kernel = Kernel { level, ..Kernel::new(case.body.clone()) };
+                let kernel = Kernel::at_level(case.body.clone(), level);
                 let mut scratch = kernel.scratch();
                 let q = posture(&case, &mut random);
                 let said = kernel.configurations_free(&lanes(&q), &around(&case, &indexed, &standing), &mut scratch) != 0;
@@ -165,7 +165,7 @@ fn a_free_motion_is_free_between_its_samples_and_clear_motions_are_free() {
             };
             let mut answers = Vec::new();
             for level in levels() {
-                let kernel = Kernel { level, ..Kernel::new(case.body.clone()) };
+                let kernel = Kernel::at_level(case.body.clone(), level);
                 let mut scratch = kernel.scratch();
                 // What was asked before must not matter.
                 let around = around(&case, &indexed, &standing);

@@ -149,29 +149,3 @@ fn paths_are_free_in_the_exact_shapes() {
         assert!(solved >= 19, "{name}: {solved} of {asked}");
     }
 }
-
-#[test]
-fn tables_of_neighbours_never_promise_more_room_than_there_is() {
-    let planner = planner("panda");
-    let group = &planner.group;
-    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
-    assert!(!planner.kernel.neighbours.is_empty(), "link 5 and link 7");
-    let (mut useful, mut close) = (0, 0);
-    for _ in 0..4000 {
-        let q = posture(&planner, &mut random);
-        let mut frames = Vec::new();
-        group.kinematics.frames(&q, group.hand[0], &mut frames);
-        for n in planner.kernel.neighbours.iter() {
-            let room = n.clearance(|j| q[j]);
-            let parts = |l: usize| group.links[l].collision.parts.iter().map(move |(p, c)| (*p, c));
-            let truly = parts(n.a)
-                .flat_map(|(p, c)| parts(n.b).map(move |(o, d)| (p, c, o, d)))
-                .map(|(p, c, o, d)| distance(c, &(frames[n.a] * p), d, &(frames[n.b] * o)))
-                .fold(f64::INFINITY, f64::min);
-            assert!(room <= truly + 1e-6, "{room} {truly} at {q:?}");
-            useful += usize::from(room > 0.0);
-            close += usize::from(truly > 0.0 && truly < 0.03);
-        }
-    }
-    assert!(useful > 1500 && close > 300, "{useful} {close}");
-}

@@ -42,6 +42,8 @@ pub enum Unfit {
     Camera(String),
     /// The base does not fit into the region it may drive in.
     Region(String),
+    /// Such a scene is not planned for with a base that drives.
+    Drives(String),
 }
 
 /// One way to an object: from which stand, and which of the ways there.

@@ -335,7 +335,6 @@ impl Planner {
         match self.arm.carry(&sequence.objects, &mut run.journey, &run.budget, taken)? {
             Ok(()) => Ok(Ok(sequence)),
             Err(failure) => {
-                if std::env::var("DBG").is_ok() { eprintln!("{:?} fails {:?} removed {:?} blamed {:?} seq {:?} obst {:?}", run.stats.sequences_tried, failure.object, failure.removed, failure.blamed, sequence.objects, run.journey.obstruction); }
                 self.blocked(failure.object, failure.removed, &failure.blamed, false, run);
                 Ok(Err(failure))
             }

@@ -168,6 +168,24 @@ impl Kinematics {
         }
     }
 
+    /// `ancestor_from_link`: one link's place alone, seen from a link above it or itself.
+    pub fn seen_from(&self, ancestor: usize, link: usize, posture: &[f64], hand: f64) -> Pose {
+        let mut pose = Pose::IDENTITY;
+        let mut at = link;
+        while at != ancestor && at != 0 {
+            let step = &self.steps[at];
+            let value = |s: &Source| s.multiplier * posture.get(s.variable).copied().unwrap_or(hand) + s.offset;
+            let moved = match &step.motion {
+                Motion::Still => pose,
+                Motion::Turn { axis, source } => Pose::new(Mat3::from_axis_angle(*axis, value(source)), Vec3::ZERO) * pose,
+                Motion::Slide { axis, source } => Pose::new(pose.rotation, pose.translation + *axis * value(source)),
+            };
+            pose = step.parent_from_joint * moved;
+            at = step.parent;
+        }
+        pose
+    }
+
     /// `root_from_tool`.
     pub fn tool(&self, posture: &[f64], hand: f64) -> Pose {
         let mut frames = Vec::new();

@@ -14,6 +14,7 @@ pub fn run(args: &BenchArgs) -> Result<Exit, Failure> {
         Named::Large(args) => bench_retrieval::run(Experiment::Large, args),
         Named::Optimal(args) => bench_retrieval::run(Experiment::Optimal, args),
         Named::Occlusion(args) => bench_retrieval::run(Experiment::Occlusion, args),
+        Named::Mobile(args) => bench_retrieval::run(Experiment::Mobile, args),
         Named::Report(args) => bench_report::run(args),
     }
 }

@@ -123,6 +123,7 @@ fn unfit(scene: &Path, unfit: &Unfit) -> Failure {
         }
         Unfit::BadStart(why) => error(&["robot", "start"], why).help("`clearway robot` lists the joints and their limits"),
         Unfit::Region(why) => error(&["robot", "region"], why).help("make the region larger, or move the robot's start"),
+        Unfit::Drives(why) => error(&["robot"], why).help("hold the base still: a robot file without `mobile`, the base's pose in the scene"),
         Unfit::Camera(why) => error(&["camera"], why).help("move it, or turn it towards the objects with `look_at`"),
         Unfit::NoPlace(why) => error(&["place"], why).help(
             "add one: `place: [{id: tray, size: [0.5, 0.8], position: [x, y, z]}]`, position being the centre of its top face",

@@ -67,11 +67,13 @@ pub struct Settings {
     pub part_radius: f64,
     /// … or they have no more spheres than this.
     pub part_balls: usize,
+    /// Links that stand still are no matter of the body's: they are among the obstacles, by their shapes.
+    pub still_aside: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { self_margin: 0.0, part_radius: 0.13, part_balls: 6 }
+        Self { self_margin: 0.0, part_radius: 0.13, part_balls: 6, still_aside: false }
     }
 }
 
@@ -87,6 +89,8 @@ pub struct Body {
     pub pairs: Vec<Pair>,
     pub rows: Vec<Row>,
     pub partners: Vec<Partner>,
+    /// By part, then by variable: how far a unit of the variable moves the middles of the part's balls, at most.
+    reaches: Vec<Vec<f64>>,
     /// By variable, then by group of sixteen: how far a unit of the variable moves the middles of
     /// a part's balls, at most; parts first, then pairs, whose parts are seen from each other.
     pub reach: Vec<Vec<Lanes>>,
@@ -108,6 +112,7 @@ impl Body {
             pairs: Vec::new(),
             rows: Vec::new(),
             partners: Vec::new(),
+            reaches: Vec::new(),
             reach: Vec::new(),
             least: Vec::new(),
             self_margin: settings.self_margin as f32,
@@ -154,7 +159,8 @@ impl Body {
         for a in 0..spheres.len() {
             for b in a + 1..spheres.len() {
                 let shaped = !spheres[a].is_empty() && !spheres[b].is_empty();
-                if shaped && frame(a) != frame(b) && !unchecked.contains(&(a, b)) {
+                let aside = settings.still_aside && (frame(a) == 0 || frame(b) == 0);
+                if shaped && !aside && frame(a) != frame(b) && !unchecked.contains(&(a, b)) {
                     let relative = Relative::new(group, a, b);
                     meet.insert((a, b), relative.could_meet(&spheres[a], &spheres[b], settings.self_margin));
                 }
@@ -216,7 +222,8 @@ impl Body {
             body.add_part((attached, link), seat.frame, part);
             body.inner.extend(part.iter().map(|(i, _)| solid.depth(spheres[*i].centre) as f32));
         });
-        for a in (0..first).filter(|&a| self.parts[a].frame != seat.frame && !beside.contains(&self.parts[a].link)) {
+        let aside = |a: usize| settings.still_aside && self.parts[a].frame == 0;
+        for a in (0..first).filter(|&a| self.parts[a].frame != seat.frame && !aside(a) && !beside.contains(&self.parts[a].link)) {
             for b in first..body.parts.len() {
                 body.add_pair(a, b, |_, _| true);
             }
@@ -231,14 +238,11 @@ impl Body {
         self.reach = vec![vec![Lanes::ZERO; groups]; variables];
         self.least = vec![Lanes::splat(1.0); groups];
         let middle = |ball: &Ball| Vec3::from_array(ball.centre.map(f64::from));
-        let reaches: Vec<Vec<f64>> = self
-            .parts
-            .iter()
-            .map(|part| {
-                let points: Vec<Vec3> = self.balls[part.balls.clone()].iter().chain([&part.bound]).map(middle).collect();
-                reach_of(group, part.carrier, &self.chain.seats[part.carrier].frame_from_link, &points)
-            })
-            .collect();
+        for part in &self.parts[self.reaches.len()..] {
+            let points: Vec<Vec3> = self.balls[part.balls.clone()].iter().chain([&part.bound]).map(middle).collect();
+            self.reaches.push(reach_of(group, part.carrier, &self.chain.seats[part.carrier].frame_from_link, &points));
+        }
+        let reaches = &self.reaches;
         for (entity, part) in self.parts.iter().enumerate() {
             let least = self.balls[part.balls.clone()].iter().map(|b| b.radius).fold(f32::MAX, f32::min);
             self.least[entity / LANES].0[entity % LANES] = least;
@@ -284,46 +288,35 @@ fn divide(spheres: &mut [(usize, Sphere)], settings: &Settings, found: &mut impl
 }
 
 /// By variable: how far a unit of it moves any of `points` (in the frame that carries `link`), at
-/// most; 0 where it does not. From the point inwards, lengths along the chain are added up; the
-/// first turning joint counts only what is across its own axis.
+/// most; 0 where it does not. From the point inwards a ball is known that holds it, whatever the joints
+/// passed so far do: one that turns leaves a ball about its axis.
 fn reach_of(group: &Group, link: usize, frame_from_link: &Pose, points: &[Vec3]) -> Vec<f64> {
     let mut most: Vec<f64> = vec![0.0; group.kinematics.arm_joints + 1];
     let steps = group.kinematics.steps();
-    let in_link: Vec<Vec3> = points.iter().map(|p| frame_from_link.inverse_point(*p)).collect();
-    for p in in_link {
+    for point in points {
         // Joints that mimic one another add up.
         let mut reach = vec![0.0; most.len()];
         let mut at = link;
-        let mut point = p;
-        // Once a joint has turned, only the distance from the frame's origin is known.
-        let mut known = true;
-        let mut length = 0.0;
+        let (mut centre, mut radius) = (frame_from_link.inverse_point(*point), 0.0);
         while at != 0 {
             let step = &steps[at];
             match step.motion {
                 Motion::Still => {}
                 Motion::Turn { axis, source } => {
-                    let radius = if known { point.reject_from_normalized(axis.normalize()).length() } else { length };
-                    if known {
-                        (length, known) = (point.length(), false);
-                    }
+                    let axis = axis.normalize();
+                    radius += centre.reject_from_normalized(axis).length();
+                    centre = axis * centre.dot(axis);
                     reach[source.variable] += radius * source.multiplier.abs();
                 }
-                Motion::Slide { source, .. } => {
-                    if known {
-                        (length, known) = (point.length(), false);
-                    }
+                Motion::Slide { axis, source } => {
                     let (low, high) = group.range(source.variable);
-                    let far = |v: f64| (source.multiplier * v + source.offset).abs();
-                    length += far(low).max(far(high));
-                    reach[source.variable] += source.multiplier.abs();
+                    let [a, b] = [low, high].map(|v| source.multiplier * v + source.offset);
+                    centre += axis * f64::midpoint(a, b);
+                    radius += axis.length() * (b - a).abs() / 2.0;
+                    reach[source.variable] += axis.length() * source.multiplier.abs();
                 }
             }
-            if known {
-                point = step.parent_from_joint.point(point);
-            } else {
-                length += step.parent_from_joint.translation.length();
-            }
+            centre = step.parent_from_joint.point(centre);
             at = step.parent;
         }
         most.iter_mut().zip(reach).for_each(|(m, r)| *m = m.max(r));
@@ -334,6 +327,12 @@ fn reach_of(group: &Group, link: usize, frame_from_link: &Pose, points: &[Vec3])
 /// The same for all points of a link's own shapes.
 pub(crate) fn reach_of_link(group: &Group, link: usize) -> Vec<f64> {
     reach_of(group, link, &Pose::IDENTITY, &corners(&group.links[link].collision))
+}
+
+/// The same for one part of them.
+pub(crate) fn reach_of_part(group: &Group, link: usize, part: usize) -> Vec<f64> {
+    let solid = Solid { parts: group.links[link].collision.parts[part..=part].to_vec() };
+    reach_of(group, link, &Pose::IDENTITY, &corners(&solid))
 }
 
 /// Points whose hull holds a solid: distances from an axis are greatest at one of them.

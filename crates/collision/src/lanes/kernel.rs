@@ -22,7 +22,8 @@ use super::obstacles::Obstacles;
 use super::vector::{LANES, Lanes, Point, bits, counting, load, splat, store};
 use clearway_robot::{Group, Sphere};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x16};
-use std::sync::Arc;
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex};
 
 /// Added to every radius, metres: more than f32 loses over a chain of links.
 pub const ROUNDING: f32 = 1e-5;
@@ -65,11 +66,16 @@ pub struct Kernel {
     pub level: Level,
     /// Pairs of links that tables answer for, not spheres: they are unchecked in the body.
     pub neighbours: Arc<[Neighbours]>,
+    /// Where links that stand still are asked as obstacles: those of them, and those that move, which are
+    /// checked against each other, `(a, b)` with `a < b`.
+    pub still: Option<Arc<BTreeSet<(usize, usize)>>>,
+    /// Room that was given back.
+    idle: Arc<Mutex<Vec<Scratch>>>,
 }
 
 /// Room for one thread's questions; reuse it to allocate nothing. It also remembers what touched
 /// last, to ask that first.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Scratch {
     frames: Vec<Frame>,
     /// By part: the middle of its bound.
@@ -101,7 +107,17 @@ pub struct Scratch {
 
 impl Kernel {
     pub fn new(body: Body) -> Self {
-        Self { body, level: Level::new(), neighbours: Arc::default() }
+        Self::at_level(body, Level::new())
+    }
+
+    /// With other instructions than the best.
+    pub fn at_level(body: Body, level: Level) -> Self {
+        Self { body, level, neighbours: Arc::default(), still: None, idle: Arc::default() }
+    }
+
+    /// The same with another body, which has more on it.
+    pub fn with_body(&self, body: Body) -> Self {
+        Self { body, level: self.level, neighbours: self.neighbours.clone(), still: self.still.clone(), idle: Arc::default() }
     }
 
     /// For links that `spheres` only cover. Pairs that their own shapes prove apart are left out, and
@@ -115,14 +131,37 @@ impl Kernel {
                 unchecked.push((a, b));
             }
         }
-        let neighbours = neighbours::find(group, spheres, &unchecked);
+        let neighbours = neighbours::find(group, spheres, &unchecked, settings.self_margin + f64::from(ROUNDING));
         unchecked.extend(neighbours.iter().map(|n| (n.a, n.b)));
-        Self { neighbours: neighbours.into(), ..Self::new(Body::new(group, spheres, &unchecked, settings)) }
+        let kinematics = &group.kinematics;
+        let still = |l: usize| kinematics.moved_by[l] == 0 && !kinematics.moved_by_hand[l];
+        let shaped = |l: usize| !spheres[l].is_empty();
+        let all = (0..links).flat_map(|a| (a + 1..links).map(move |b| (a, b)));
+        let aside = all.filter(|&(a, b)| still(a) != still(b) && shaped(a) && shaped(b) && !unchecked.contains(&(a, b)));
+        let aside = settings.still_aside.then(|| Arc::new(aside.collect()));
+        let seen = |(link, spheres): (usize, &Vec<Sphere>)| if aside.is_some() && still(link) { Vec::new() } else { spheres.clone() };
+        let spheres: Vec<Vec<Sphere>> = spheres.iter().enumerate().map(seen).collect();
+        Self { neighbours: neighbours.into(), still: aside, ..Self::new(Body::new(group, &spheres, &unchecked, settings)) }
     }
 
-    /// The room that neighbours keep, metres.
-    fn between_neighbours(&self) -> f64 {
-        f64::from(self.body.self_margin + ROUNDING)
+    /// Room for questions: some that was given back, or new.
+    pub fn lend(&self) -> Scratch {
+        let given_back = self.idle.lock().ok().and_then(|mut idle| idle.pop());
+        match given_back {
+            Some(mut scratch) => {
+                (scratch.configurations, scratch.motions) = (0, 0);
+                scratch.parts.sort_unstable_by(|a, b| b.cmp(a));
+                scratch
+            }
+            None => self.scratch(),
+        }
+    }
+
+    /// Takes room back, for whoever asks next; the still parts of a body need not be placed again.
+    pub fn give_back(&self, scratch: Scratch) {
+        if let Ok(mut idle) = self.idle.lock() {
+            idle.push(scratch);
+        }
     }
 
     pub fn scratch(&self) -> Scratch {
@@ -162,7 +201,7 @@ impl Kernel {
     pub fn motion_free(&self, a: &[f64], b: &[f64], per_radian: f64, around: &Around, scratch: &mut Scratch) -> bool {
         let count = self.begin(a, b, per_radian, scratch);
         dispatch!(self.level, simd => self.motion(simd, count, around, scratch))
-            && self.neighbours.iter().all(|n| n.motion_clear(a, b, self.between_neighbours()))
+            && self.neighbours.iter().all(|n| n.motion_clear(f64::from(around.hand), a, b))
     }
 
     /// What up to sixteen rows, and the straight lines between them, may touch.
@@ -172,6 +211,12 @@ impl Kernel {
             *by = steps(j);
         }
         self.suspects(rows, around, scratch, suspects);
+        let hand = f64::from(around.hand);
+        for n in self.neighbours.iter() {
+            for (lane, _) in rows.windows(2).enumerate().filter(|(_, ends)| !n.motion_clear(hand, &ends[0], &ends[1])) {
+                note(&mut suspects.pairs, (n.a, n.b), (0b11 << lane, 0));
+            }
+        }
     }
 
     /// What up to sixteen configurations may touch.
@@ -184,6 +229,14 @@ impl Kernel {
     ) {
         scratch.by.fill(0.0);
         self.suspects(configurations, around, scratch, suspects);
+        let hand = f64::from(around.hand);
+        for n in self.neighbours.iter() {
+            let touching = |lane: &usize| !n.clear(hand, |j| configurations[*lane][j]);
+            let lanes = (0..configurations.len()).filter(touching).fold(0, |all, lane| all | 1 << lane);
+            if lanes != 0 {
+                note(&mut suspects.pairs, (n.a, n.b), (lanes, 0));
+            }
+        }
     }
 
     fn suspects(&self, rows: &[Vec<f64>], around: &Around, scratch: &mut Scratch, suspects: &mut Suspects) {
@@ -197,26 +250,23 @@ impl Kernel {
         }
         dispatch!(self.level, simd => self.all_suspects(simd, &joints, around, scratch, suspects));
         scratch.joints = joints;
-        for n in self.neighbours.iter() {
-            // Whatever lies between two rows is within half a step of one of them.
-            let more = n.moved(|j| f64::from(scratch.by[j])) / 2.0 + self.between_neighbours();
-            for (lane, _) in rows.iter().enumerate().filter(|(_, row)| n.clearance(|j| row[j]) <= more) {
-                note(&mut suspects.pairs, (n.a, n.b), (1 << lane, 0));
-            }
-        }
     }
 
     /// By lane, as bits: the configurations that touch nothing at all. `joints` has a row per joint.
     pub fn configurations_free(&self, joints: &[Lanes], around: &Around, scratch: &mut Scratch) -> u32 {
         scratch.configurations += LANES as u64;
         let free = dispatch!(self.level, simd => self.lanes_free(simd, joints, around, scratch));
-        let clear = |lane: usize| {
-            self.neighbours.iter().all(|n| n.clearance(|j| f64::from(joints[j].0[lane])) > self.between_neighbours())
-        };
+        let hand = f64::from(around.hand);
+        let clear = |lane: usize| self.neighbours.iter().all(|n| n.clear(hand, |j| f64::from(joints[j].0[lane])));
         if self.neighbours.is_empty() {
             return free;
         }
         (0..LANES).filter(|lane| free >> lane & 1 == 1 && clear(*lane)).fold(0, |mask, lane| mask | 1 << lane)
+    }
+
+    /// The room that obstacles keep, and links that are among them.
+    fn margins(&self, around: &Around) -> [f32; 2] {
+        [around.margin + ROUNDING, self.body.self_margin + ROUNDING]
     }
 
     /// Places all frames for sixteen configurations, and nothing more.
@@ -375,7 +425,7 @@ impl Kernel {
         {
             return None;
         }
-        let margin = around.margin + ROUNDING;
+        let margins = self.margins(around);
         let mut near = 0;
         for place in 0..scratch.parts.len() {
             let index = usize::from(scratch.parts[place]);
@@ -385,12 +435,14 @@ impl Kernel {
             centre.store(&mut scratch.centres[index]);
             if first {
                 let swing = scratch.swing[index / LANES].0[index % LANES];
-                self.reach::<S, ALL>(simd, index, part, swing * scratch.strays + larger + margin, around, scratch);
+                self.reach::<S, ALL>(simd, index, part, swing * scratch.strays + larger + margins[0].max(margins[1]), around, scratch);
             }
             let (from, to) = scratch.reached[index];
             for candidate in from..to {
                 let slot = scratch.candidates[candidate as usize] as usize;
                 let shape = &around.obstacles.shapes[slot];
+                let link = around.obstacles.link(slot);
+                let margin = margins[usize::from(link.is_some())];
                 if shape.meets(simd, centre, part.bound.radius + larger + margin) == 0 {
                     continue;
                 }
@@ -419,10 +471,11 @@ impl Kernel {
                     }
                     near |= close;
                 }
-                if met != 0
-                    && let Some(owner) = around.obstacles.owner(slot)
-                {
-                    note(&mut suspects.obstacles, (part.link, owner as usize), (met, sure));
+                match (link, around.obstacles.owner(slot)) {
+                    _ if met == 0 => {}
+                    (Some(link), _) => note(&mut suspects.pairs, (link.min(part.link), link.max(part.link)), (met, sure)),
+                    (None, Some(owner)) => note(&mut suspects.obstacles, (part.link, owner as usize), (met, sure)),
+                    (None, None) => {}
                 }
             }
         }
@@ -573,17 +626,17 @@ impl Kernel {
                 return 0;
             }
         }
-        let margin = around.margin + ROUNDING;
+        let margins = self.margins(around);
         for (index, part) in body.parts.iter().enumerate().filter(|(_, p)| p.frame != 0) {
             let centre = Point::load(simd, &scratch.centres[index]);
-            let bound = part.bound.radius + margin;
             for (slot, shape) in around.obstacles.shapes.iter().enumerate() {
                 let never = around.never.get(index).and_then(|n| n.get(slot / LANES)).copied().unwrap_or(0);
                 if (around.standing[slot / LANES] & !never) >> (slot % LANES) & 1 == 0
-                    || shape.meets(simd, centre, bound) & !hit == 0
+                    || shape.meets(simd, centre, part.bound.radius + margins[0].max(margins[1])) & !hit == 0
                 {
                     continue;
                 }
+                let margin = margins[usize::from(around.obstacles.link(slot).is_some())];
                 for ball in part.balls.clone() {
                     let at = self.ball_at(simd, part.frame, ball, scratch);
                     hit |= shape.meets(simd, at, body.balls[ball].radius + margin);

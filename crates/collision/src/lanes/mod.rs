@@ -5,7 +5,8 @@
 //! [`crate::World`] decide.
 
 pub mod body;
-pub mod chain;
+mod cells;
+mod chain;
 pub mod exact;
 pub mod kernel;
 mod neighbours;
@@ -19,7 +20,7 @@ pub use body::{Body, Settings};
 pub use kernel::{Around, Kernel, Scratch, Upright};
 pub use neighbours::Neighbours;
 pub use never::Relative;
-pub use obstacles::{Obstacles, Piece};
+pub use obstacles::{Obstacles, Piece, link_owner, owner_link};
 pub use suspects::{Suspect, Suspects};
 pub use vector::{LANES, Lanes};
 

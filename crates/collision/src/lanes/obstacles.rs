@@ -37,7 +37,20 @@ impl Group {
 /// Larger than what is lost from f64 to f32 at arm's length, metres.
 const ROUNDING: f64 = 1e-6;
 
-/// Shapes and who they belong to. The caller numbers the owners.
+/// Owners from here on are links of the robot that stand still.
+const LINKS: u32 = 1 << 30;
+
+/// The owner's number of a link that stands still.
+pub fn link_owner(link: usize) -> u32 {
+    LINKS + link as u32
+}
+
+/// The link of such a number.
+pub fn owner_link(owner: u32) -> Option<usize> {
+    owner.checked_sub(LINKS).map(|link| link as usize)
+}
+
+/// Shapes and who they belong to. The caller numbers the owners, below 2³⁰.
 #[derive(Clone, Debug, Default)]
 pub struct Obstacles {
     /// In the order of the groups.
@@ -121,6 +134,12 @@ impl Obstacles {
     /// Whose the shape in a slot is; `None` for a slot not used.
     pub fn owner(&self, slot: usize) -> Option<u32> {
         self.owners.get(slot).copied().filter(|&o| o != u32::MAX)
+    }
+
+    /// The link in a slot that stands still.
+    #[inline(always)]
+    pub(super) fn link(&self, slot: usize) -> Option<usize> {
+        self.owner(slot).and_then(owner_link)
     }
 
     /// All that stand, where `stands` says so of the owner.

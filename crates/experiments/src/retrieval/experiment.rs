@@ -1,6 +1,7 @@
 //! Which runs an experiment consists of.
 
 use clearway_retrieval::FirstLimit;
+use std::collections::HashSet;
 
 /// The paper's experiments on known scenes (section VI).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -17,6 +18,8 @@ pub enum Experiment {
     Optimal,
     /// Table II.
     Occlusion,
+    /// Table III and Fig. 9.
+    Mobile,
 }
 
 /// Who plans.
@@ -36,6 +39,8 @@ pub enum TaskPlanner {
     Largest,
     /// Clearway, told of all objects.
     AllKnown,
+    /// Clearway, with a mobile base that stays where it is.
+    FixedBase,
 }
 
 /// What is drawn.
@@ -44,6 +49,9 @@ pub enum Kind {
     Shelf,
     Large,
     Occluded,
+    Table,
+    /// Tables on which driving saves removals.
+    Contrast,
 }
 
 /// A scene to be drawn.
@@ -76,12 +84,14 @@ impl TaskPlanner {
             Self::Farthest => "farthest",
             Self::Largest => "largest",
             Self::AllKnown => "all_known",
+            Self::FixedBase => "fixed_base",
         }
     }
 }
 
 impl Experiment {
-    pub const ALL: [Self; 6] = [Self::Known, Self::Graphs, Self::Peers, Self::Large, Self::Optimal, Self::Occlusion];
+    pub const ALL: [Self; 7] =
+        [Self::Known, Self::Graphs, Self::Peers, Self::Large, Self::Optimal, Self::Occlusion, Self::Mobile];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -91,12 +101,14 @@ impl Experiment {
             Self::Large => "large",
             Self::Optimal => "optimal",
             Self::Occlusion => "occlusion",
+            Self::Mobile => "mobile",
         }
     }
 
     /// Seconds for one run, unless said otherwise: the paper allows 60.
     pub fn time_limit(self, quick: bool) -> f64 {
         match self {
+            Self::Mobile => 10.0,
             _ if quick => 2.0,
             Self::Large | Self::Optimal | Self::Occlusion => 60.0,
             _ => 10.0,
@@ -105,7 +117,9 @@ impl Experiment {
 
     /// All its runs, those on one scene together; `quick`: a small cut.
     pub fn cases(self, quick: bool) -> Vec<Case> {
-        use TaskPlanner::{AllKnown, BruteForce, Clearway, Exact, Farthest, Largest, Paper, ShortestPath, Traversability};
+        use TaskPlanner::{
+            AllKnown, BruteForce, Clearway, Exact, Farthest, FixedBase, Largest, Paper, ShortestPath, Traversability,
+        };
         let sizes = [12, 16, 20];
         let (scenes, runs) = if quick { (2, 2) } else { (20, 20) };
         let all_limits = [FirstLimit::One, FirstLimit::GraspCover, FirstLimit::All];
@@ -160,6 +174,21 @@ impl Experiment {
                 cases.extend(cross(draws(), others, runs.min(5)));
                 cases
             }
+            Self::Mobile => {
+                // By the least removals tables and contrasts are told apart in rows.
+                let table = |seed| Draw { kind: Kind::Table, objects: 20, least_removals: 1, seed };
+                let contrast = |seed| Draw { kind: Kind::Contrast, objects: 20, least_removals: 2, seed };
+                let (tables, contrasts, runs) = if quick { (2, 0, 1) } else { (200, 20, 5) };
+                let both = [Clearway, FixedBase].map(|planner| (planner, FirstLimit::One));
+                let mut cases = cross((1..=tables).map(table), both, 1);
+                cases.extend(cross((1..=scenes).map(table), all_limits.map(|limit| (Clearway, limit)), runs));
+                cases.extend(cross((1..=scenes).map(table), all_limits.map(|limit| (FixedBase, limit)), runs));
+                cases.extend(cross((1..=contrasts).map(contrast), both, 1));
+                let mut known = HashSet::new();
+                cases.retain(|case| known.insert(*case));
+                cases.sort_by_key(|case| (case.draw.least_removals, case.draw.seed));
+                cases
+            }
         }
     }
 }
@@ -183,7 +212,6 @@ fn cross(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::HashSet;
 
     #[test]
     fn as_many_runs_as_the_paper_and_none_twice() {

@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 /// A JSON line. Counts of removals include the target; times in seconds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// `known`, `graphs`, `peers`, `large`, `optimal` or `occlusion`.
+    /// `known`, `graphs`, `peers`, `large`, `optimal`, `occlusion` or `mobile`.
     pub experiment: String,
-    /// `clearway`, `paper`, `traversability`, `shortest_path`, `brute_force`, `exact`, `farthest`, `largest` or `all_known`.
+    /// `clearway`, `paper`, `traversability`, `shortest_path`, `brute_force`, `exact`, `farthest`, `largest`, `all_known`
+    /// or `fixed_base`.
     pub planner: String,
     pub objects: usize,
     /// Of the exploration limit: `1`, `grasp` or `all`.
@@ -42,6 +43,9 @@ pub struct Row {
     /// Of `graphs`: how both grew.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub growth: Vec<Growth>,
+    /// Of `mobile`: how often the base drives from one stop to another.
+    #[serde(default)]
+    pub base_moves: usize,
     /// Of `occlusion`: planning before each action.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub actions: Vec<f64>,

@@ -11,7 +11,7 @@ use clearway_plan::{Budget, PlanFile, Stop};
 use clearway_retrieval::occlusion::guess::Rule;
 use clearway_retrieval::occlusion::simulated::play;
 use clearway_retrieval::order::{self, Fewest};
-use clearway_retrieval::{Feasibility, FirstLimit, Planner, Request, Settings};
+use clearway_retrieval::{Feasibility, FirstLimit, Planner, Request, Settings, mobile};
 use clearway_robot::Robot;
 use clearway_scenarios::{self as scenarios, Wanted};
 use clearway_scene::Scene;
@@ -30,8 +30,8 @@ pub struct Bench {
     /// Over all of it.
     budget: Budget,
     machine: Machine,
-    model: OnceLock<Arc<CollisionModel>>,
-    suction: OnceLock<Arc<CollisionModel>>,
+    /// By the robot's name.
+    models: Mutex<HashMap<String, Arc<CollisionModel>>>,
     /// Scenes with their hashes; drawing one takes as long as planning in some.
     scenes: Mutex<HashMap<Draw, Arc<OnceLock<Result<Drawn, String>>>>>,
 }
@@ -54,19 +54,20 @@ pub enum NoRow {
 impl Bench {
     pub fn new(experiment: Experiment, time_limit: f64, budget: Budget) -> Self {
         let time_limit = Duration::from_secs_f64(time_limit);
-        let (machine, model, suction, scenes) = (Machine::this(), OnceLock::new(), OnceLock::new(), Mutex::default());
-        Self { experiment, time_limit, budget, machine, model, suction, scenes }
+        Self { experiment, time_limit, budget, machine: Machine::this(), models: Mutex::default(), scenes: Mutex::default() }
     }
 
-    /// Of the robot that a scene names: one of two.
+    /// Of the robot that a scene names.
     fn model(&self, scene: &Scene) -> Result<Arc<CollisionModel>, NoRow> {
         let name = &scene.file.robot.model;
-        let model = if name == scenarios::ROBOT { &self.model } else { &self.suction };
-        if let Some(model) = model.get() {
+        let mut models = self.models.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(model) = models.get(name) {
             return Ok(model.clone());
         }
         let robot = Robot::load(name, Path::new("."), &[]).map_err(|e| NoRow::Internal(e.to_string()))?;
-        Ok(model.get_or_init(|| Arc::new(CollisionModel::new(Arc::new(robot)))).clone())
+        let model = Arc::new(CollisionModel::new(Arc::new(robot)));
+        models.insert(name.clone(), model.clone());
+        Ok(model)
     }
 
     fn drawn(&self, draw: &Draw) -> Result<Drawn, NoRow> {
@@ -99,7 +100,8 @@ impl Bench {
                 };
                 play(scene, model, settings(case), rule, &request, &mut Silent).map_err(unfit)?.0
             }
-            TaskPlanner::Clearway | TaskPlanner::Paper | TaskPlanner::AllKnown | TaskPlanner::Farthest | TaskPlanner::Largest => {
+            TaskPlanner::Clearway | TaskPlanner::Paper | TaskPlanner::AllKnown | TaskPlanner::FixedBase
+            | TaskPlanner::Farthest | TaskPlanner::Largest => {
                 let mut growing = Growing::default();
                 let mut planner = Planner::with_model(scene, model, settings(case)).map_err(unfit)?;
                 let plan = planner.plan(&request, &mut growing).plan;
@@ -145,6 +147,7 @@ impl Bench {
         if let Some(LowerBound { removed, kind, .. }) = &plan.lower_bound {
             (row.bound, row.bound_kind) = (*removed, kind.clone());
         }
+        row.base_moves = plan.drives().len();
         row.actions = plan.known.iter().map(|k| k.planning).collect();
         row.motion = plan.duration();
         row.removed = plan.removed.len();
@@ -218,7 +221,8 @@ fn named(limit: FirstLimit) -> String {
 
 fn settings(case: &Case) -> Settings {
     let settings = if case.planner == TaskPlanner::Paper { Settings::paper() } else { Settings::default() };
-    Settings { first_limit: case.first_limit, ..settings }
+    let mobile = mobile::Settings { drives: case.planner != TaskPlanner::FixedBase, ..settings.mobile };
+    Settings { first_limit: case.first_limit, mobile, ..settings }
 }
 
 fn draw_scene(draw: &Draw) -> Result<Drawn, String> {
@@ -227,6 +231,8 @@ fn draw_scene(draw: &Draw) -> Result<Drawn, String> {
         Kind::Shelf => scenarios::shelf(&wanted),
         Kind::Large => scenarios::large(&wanted),
         Kind::Occluded => scenarios::occluded(&wanted),
+        Kind::Table => scenarios::table(&wanted, false),
+        Kind::Contrast => scenarios::table(&wanted, true),
     };
     let file = drawn.map_err(|e| e.to_string())?.file;
     let text = serde_json::to_string(&file).map_err(|e| e.to_string())?;

@@ -45,7 +45,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { drives: true, stops: 10, margin: 0.02 }
+        Self { drives: true, stops: 7, margin: 0.02 }
     }
 }
 
@@ -82,6 +82,10 @@ pub fn moved([x, y, yaw]: Placement) -> Pose {
 impl Base {
     /// The base in a scene, starting there; `robot` is the whole one.
     pub fn new(scene: &Scene, model: Arc<CollisionModel>, standing: &Standing, start: Placement, settings: Settings) -> Result<Self, Unfit> {
+        const UPRIGHT: f64 = 1.0 - 1e-6;
+        if scene.base.rotation.z_axis.z < UPRIGHT {
+            return Err(Unfit::Drives("the robot's base leans, and it drives on the level".to_owned()));
+        }
         let body = body(&standing.model);
         let bounds = match &scene.file.robot.region {
             Some(region) => {

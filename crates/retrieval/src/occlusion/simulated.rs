@@ -65,6 +65,9 @@ pub fn play(
     observer: &mut dyn Observer,
 ) -> Result<(PlanFile, Option<Stop>), Unfit> {
     let Some(camera) = &scene.file.camera else { return Err(Unfit::Camera("the scene has no camera".to_owned())) };
+    if model.standing.is_some() {
+        return Err(Unfit::Drives("its base drives, and the scene has a camera: hidden objects are planned for from one place".to_owned()));
+    }
     let view = View::new(camera);
     if let Some(why) = blind(&scene, &view) {
         return Err(Unfit::Camera(why));

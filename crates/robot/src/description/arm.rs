@@ -1,8 +1,9 @@
 //! The chain that is planned for, found in the tree.
 
 use super::load::Context;
-use super::model::JointKind;
+use super::model::{Joint, JointKind};
 use clearway_files::{FileError, closest, quoted};
+use clearway_geometry::Vec3;
 use clearway_plan::robot_file::Mobile;
 
 /// Joints planned for: more than any arm has, so few that sets of them fit a word.
@@ -84,6 +85,21 @@ fn planar_base(context: &Context, names: &[String; 3], arm_base: usize) -> Resul
             .file
             .error(&keys, "the base's joints do not carry the arm in this order")
             .expected("x, y and yaw, one above the other, between the URDF's root and `arm.base`"));
+    }
+    // Where the base stands is said by the joints' values themselves.
+    let mut parent = 0;
+    for (joint, axis) in joints.into_iter().zip([Vec3::X, Vec3::Y, Vec3::Z]) {
+        let Joint { name, parent_from_joint: at, axis: along, child, parent: link, .. } = &context.model.joints[joint];
+        let straight = at.rotation.x_axis.dot(Vec3::X) > 1.0 - 1e-9 && at.rotation.y_axis.dot(Vec3::Y) > 1.0 - 1e-9;
+        if *link != parent || !straight || at.translation.length() > 1e-9 || along.normalize().dot(axis) < 1.0 - 1e-9 {
+            let found = format!("joint {} of the base has an offset, or another axis", quoted(name));
+            return Err(context
+                .file
+                .error(&keys, found)
+                .expected("joints along x, along y and about z, each on the one before, the first on the root, at its origin")
+                .help("delete them from the URDF to have them added, or move the offset to a fixed joint above the yaw"));
+        }
+        parent = *child;
     }
     Ok(joints)
 }

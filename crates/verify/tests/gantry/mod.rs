@@ -194,6 +194,7 @@ fn robot() -> PlannedRobot {
         unchecked_pairs: pairs.map(|p| p.map(str::to_owned)).to_vec(),
         meshes: Vec::new(),
         joints: joints.to_vec(),
+        base_joints: Vec::new(),
     }
 }
 
