@@ -189,7 +189,7 @@ fn pr2_left_is_what_its_files_say() {
     assert_eq!(robot.velocity, [0.5, 0.5, 0.8, 2.088, 2.082, 3.27, 3.3, 3.6, 3.078, 3.6]);
     assert_eq!(robot.acceleration, [0.5, 0.5, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 2.0]);
     assert_eq!(robot.fixed.len(), 12);
-    assert_eq!(robot.fixed["torso_lift_joint"], 0.2);
+    assert_eq!(robot.fixed["torso_lift_joint"], 0.3);
     for (name, &home) in names.iter().zip(&robot.home).skip(3) {
         assert_eq!(robot.named_states["home"][*name], home);
     }

@@ -103,7 +103,7 @@ COARSE = {
 NEAR = {
     frozenset((f"l_{a}_link", f"l_{b}_link")): metres
     for a, b, metres in [
-        ("upper_arm", "forearm", 0.0018),
+        ("upper_arm", "forearm", 0.006),
         ("wrist_flex", "gripper_l_finger", 0.012),
         ("wrist_flex", "gripper_r_finger", 0.012),
         ("forearm", "gripper_l_finger", 0.012),
@@ -112,7 +112,7 @@ NEAR = {
 }
 """Pairs with one link between them, near in every posture: metres that they keep at home."""
 
-LEAST_X = {"upper_arm_v0/upper_arm": 0.118, "upper_arm_v0/forearm_roll_L": 0.09}
+LEAST_X = {"upper_arm_v0/upper_arm": 0.118, "upper_arm_v0/forearm_roll_L": 0.093}
 
 
 def gap(value):
@@ -231,12 +231,12 @@ def test_unchecked_pairs_are_adjacent_or_in_the_hand_or_always_touch():
         assert part < 0.25 or pair in unchecked, (sorted(pair), part)
 
 
-def test_home_is_free_and_within_the_base():
+def test_home_is_free_and_beside_the_base():
     for pair, metres in gaps_at_home().items():
         assert metres >= NEAR.get(pair, 0.02), (sorted(pair), metres)
     points = outline()
     reach = {link: np.hypot(*at[:, :2].T).max() for link, at in points.items()}
-    assert max(reach.values()) == reach["base_link"] <= 0.432
+    assert max(reach.values()) <= 0.51 and reach["base_link"] <= 0.432
     assert min(at[:, 2].min() for at in points.values()) >= 0.01
 
 

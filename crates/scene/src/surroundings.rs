@@ -38,7 +38,7 @@ pub(crate) fn check(source: &Source, file: &SceneFile) -> Result<(), FileError> 
         // Written so that NaN fails too.
         if !(0.0..=1e9).contains(&weight) {
             return Err(source
-                .error(&format!("weights.{key}"), format!("a weight of {weight}"))
+                .error(&format!("weights.{key}"), format!("the weight `weights.{key}` is {weight}"))
                 .expected("a number from 0 to 1e9"));
         }
     }
