@@ -139,6 +139,9 @@ impl Feasibility {
         };
         let robot = world.model.robot.clone();
         let inverse = InverseKinematics::new(&robot, &world.model.kinematics);
+        // What is hard to reach from one stop is easily reached from another.
+        let drives = base.as_ref().is_some_and(|base| base.settings.drives);
+        let inverse = if drives { inverse.without_slivers() } else { inverse };
         let floor = floor(&scene, &robot, base.is_some());
         let stands = vec![Stand::new(placement, world)];
         let (scratch, trees) = (Scratch::default(), Trees::default());

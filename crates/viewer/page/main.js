@@ -5,12 +5,13 @@ function readEmbedded(id, fallback) {
   return text ? JSON.parse(text) : fallback;
 }
 
-/** Links from the root to the tool, for the arm seen from above. */
-function chainTo(tree, tool) {
+/** Links from the root, or from a base that drives, to the tool: for the arm seen from above. */
+function chainTo(tree, tool, baseJoints) {
   const chain = [];
   for (let link = tool; link && chain.length < 200;) {
     chain.unshift(link);
-    link = tree.joints.find((j) => j.child === link)?.parent;
+    const joint = tree.joints.find((j) => j.child === link);
+    link = joint && !baseJoints.includes(joint.name) ? joint.parent : null;
   }
   return chain;
 }
@@ -31,7 +32,7 @@ function start() {
   const bodies = prepareBodies(plan, urdf, meshes);
   if (bodies.missing.length) notes.push(`Not in this page, and drawn in outline at most: ${bodies.missing.join(', ')}.`);
   const colours = removalColours(plan);
-  const chain = chainTo(tree, plan.robot?.tool);
+  const chain = chainTo(tree, plan.robot?.tool, plan.robot?.base_joints ?? []);
 
   let time = 0;
   let playing = false;

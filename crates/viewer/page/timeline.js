@@ -4,6 +4,7 @@
 /** Segments in order, with plan-global `start` and `end` in seconds. */
 function flattenSegments(plan) {
   const segments = [];
+  const base = (plan.robot?.base_joints ?? []).map((name) => plan.robot.joints.indexOf(name));
   let clock = 0;
   (plan.steps ?? []).forEach((step, stepIndex) => {
     const list = step.segments ?? [];
@@ -15,6 +16,7 @@ function flattenSegments(plan) {
       segments.push({
         ...segment, rows, step, stepIndex, index,
         start: clock, end: clock + length,
+        drives: rows > 0 && base.some((c) => segment.positions[0][c] !== segment.positions[rows - 1][c]),
         released: lastMoved >= 0 && index > lastMoved,
         beforeHold: firstHeld < 0 || index < firstHeld,
       });

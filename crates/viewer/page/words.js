@@ -20,6 +20,7 @@ function doing(plan, segment) {
   const name = segment.step.object;
   const area = segment.step.placed && placeUnder(plan, segment.step.placed.position);
   const where = area ? `to the ${area.id}` : 'aside';
+  if (segment.drives) return segment.attached ? `driving with ${name}` : `driving to where ${name} is in reach`;
   switch (segment.kind) {
     case 'transit': return segment.beforeHold && !segment.released ? `moving to ${name}` : 'moving away';
     case 'approach': return `reaching for ${name}`;

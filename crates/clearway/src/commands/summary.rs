@@ -69,6 +69,11 @@ pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> Stri
             plan.timing.motion * 1e3,
             plan.duration()
         );
+        match plan.drives().len() {
+            0 => {}
+            1 => out += "  the base moves once\n",
+            n => out += &format!("  the base moves {n} times\n"),
+        }
         out += "  verified: no violations\n";
     } else {
         out += &super::explain::some_objects(plan);

@@ -32,6 +32,8 @@ pub struct InverseKinematics {
     lower: Vec<f64>,
     upper: Vec<f64>,
     method: Method,
+    /// Whether poses are looked for that only few values of a redundant joint have.
+    slivers: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -56,13 +58,13 @@ impl InverseKinematics {
         } else {
             Method::Numeric(numeric::seeds(robot))
         };
-        Self { chain: Chain::of(kinematics), lower: robot.lower.clone(), upper: robot.upper.clone(), method }
+        Self { chain: Chain::of(kinematics), lower: robot.lower.clone(), upper: robot.upper.clone(), method, slivers: true }
     }
 
     /// By descent from seeds, even where a closed form is known: to measure the one beside the other.
     pub fn numeric(robot: &crate::Robot, kinematics: &Kinematics) -> Self {
         let method = Method::Numeric(numeric::seeds(robot));
-        Self { chain: Chain::of(kinematics), lower: robot.lower.clone(), upper: robot.upper.clone(), method }
+        Self { chain: Chain::of(kinematics), lower: robot.lower.clone(), upper: robot.upper.clone(), method, slivers: true }
     }
 
     /// In words, for reports.
@@ -77,6 +79,13 @@ impl InverseKinematics {
             }
             Method::Numeric(_) => "numeric (damped least squares from spread seeds)",
         }
+    }
+
+    /// The same, several times faster about poses out of reach: those that only few values of a redundant joint
+    /// have are passed over.
+    #[must_use]
+    pub fn without_slivers(self) -> Self {
+        Self { slivers: false, ..self }
     }
 
     /// Whether the method finds every branch, so that finding none is a proof. A swept joint is no
@@ -97,7 +106,7 @@ impl InverseKinematics {
                 distinct(found, 1e-6)
             }
             Method::SphericalShoulder(closed) => {
-                let mut found = sweep::solve(closed, root_from_tool, near, &self.lower, &self.upper);
+                let mut found = sweep::solve(closed, root_from_tool, near, (&self.lower, &self.upper), self.slivers);
                 found.retain_mut(|q| self.wrap(q, near));
                 let mut few = sweep::spread(found, near);
                 few.retain_mut(sound);

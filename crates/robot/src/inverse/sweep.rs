@@ -14,14 +14,14 @@ const FINER: usize = 8;
 const MOST: usize = 12;
 const APART: f64 = 0.3;
 
-/// Postures at values of the swept joint spread over its range, and at `near`'s; failing those, at the
-/// values where slivers are.
+/// Postures at values of the swept joint spread over its range, and at `near`'s; failing those, if asked, at
+/// the values where `slivers` are.
 pub fn solve(
     closed: &SphericalShoulder,
     root_from_tool: &Pose,
     near: &[f64],
-    lower: &[f64],
-    upper: &[f64],
+    (lower, upper): (&[f64], &[f64]),
+    slivers: bool,
 ) -> Vec<Posture> {
     let swept = closed.swept();
     let (lower, upper) = (lower[swept], upper[swept]);
@@ -35,7 +35,7 @@ pub fn solve(
     for i in 0..VALUES {
         at(value(i as f64 + 0.5));
     }
-    if found.is_empty() {
+    if found.is_empty() && slivers {
         for i in 0..VALUES * FINER {
             closed.solve_at(root_from_tool, value((i as f64 + 0.5) / FINER as f64), |q| found.push(q.to_vec()));
         }
@@ -43,7 +43,7 @@ pub fn solve(
     // An elbow that straightens within its limits (PR2's) leaves a sliver round where the way is longest;
     // another may lie at either end of the range. A spherical shoulder's elbow seldom does (a Panda misses
     // hardly one pose in a thousand) and is left with the values above.
-    if found.is_empty() && closed.at_wrist() {
+    if found.is_empty() && slivers && closed.at_wrist() {
         let extremes = closed.extremes(root_from_tool).map(|q| low + (q - low).rem_euclid(2.0 * PI));
         for value in extremes.into_iter().chain([low, high]).filter(|q| (low..=high).contains(q)) {
             closed.solve_at(root_from_tool, value, |q| found.push(q.to_vec()));
