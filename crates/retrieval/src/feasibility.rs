@@ -88,6 +88,11 @@ impl Journey {
         Self { random, carried: Vec::new(), obstruction: None, spent: Duration::ZERO }
     }
 
+    /// Counts the time that motions of another journey took.
+    pub fn took_as_well(&mut self, other: &Self) {
+        self.spent += other.spent;
+    }
+
     /// Of planning that took so long in all.
     pub fn timing(&self, total: Duration) -> Timing {
         Timing {

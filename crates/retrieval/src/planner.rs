@@ -165,7 +165,12 @@ impl Planner {
             stats: Stats::default(),
             observer,
         };
-        let outcome = self.search_or_stop(&mut run);
+        let mut outcome = self.search_or_stop(&mut run);
+        if let Ok(Some(sequence)) = &outcome
+            && let Some(better) = self.from_the_start(sequence.objects.len(), request.seed, &mut run)
+        {
+            outcome = Ok(Some(better));
+        }
         let total = began.elapsed();
         let Run { journey, mut stats, .. } = run;
         let timing = journey.timing(total);
@@ -184,6 +189,38 @@ impl Planner {
         plan.timing = timing;
         plan.stats = stats;
         Answer { plan, stopped }
+    }
+
+    /// Where motions were not found, and the base drives, a shorter sequence may be left that the robot can take from
+    /// where it stands: driving is not to cost removals.
+    fn from_the_start(&mut self, removed: usize, seed: u64, run: &mut Run) -> Option<Sequence> {
+        if self.arm.stands.len() == 1 || run.stats.sequences_tried <= 1 || removed <= 1 {
+            return None;
+        }
+        let others = self.arm.stands.split_off(1);
+        self.arm.drop_failed();
+        let (roadmap, graph) = (self.roadmap.clone(), self.graph.clone());
+        self.begin_anew();
+        let mut again = Run {
+            random_roadmap: Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x526f_6164),
+            journey: Journey::new(seed),
+            most_removals: Some(removed - 1),
+            budget: run.budget.clone(),
+            stats: run.stats.clone(),
+            observer: &mut *run.observer,
+        };
+        let found = self.search_or_stop(&mut again).ok().flatten();
+        let Run { mut journey, stats, .. } = again;
+        self.arm.stands.extend(others);
+        match found {
+            Some(_) => {
+                std::mem::swap(&mut run.journey, &mut journey);
+                run.stats = stats;
+            }
+            None => (self.roadmap, self.graph) = (roadmap, graph),
+        }
+        run.journey.took_as_well(&journey);
+        found
     }
 
     /// The sequence whose motions the journey then holds; `None` when it is proved that there is none.

@@ -257,9 +257,11 @@ pub fn whole(base: &[f64], arm: &[f64]) -> Posture {
 
 /// Without what is below the robot wherever it drives, but with a curb round the region.
 fn as_for_driving(scene: &Scene, body: &Solid) -> Scene {
+    /// Overlapping by no more than this is not touching, with room for rounding: metres.
+    const RESTING: f64 = 5e-5;
     let (low, _) = body.aabb(scene.base);
     let mut around = scene.clone();
-    around.fixtures.retain(|f| f.solid.aabb(f.pose).1.z > low.z + 1e-4);
+    around.fixtures.retain(|f| f.solid.aabb(f.pose).1.z > low.z + RESTING);
     around.fixtures.extend(scene.file.robot.region.iter().flat_map(|region| curb(region, low.z)));
     around
 }
