@@ -104,7 +104,7 @@ def test_what_cannot_be_put_down_here_is_driven_elsewhere(clearway, tmp_path, sc
     scene["robot"]["region"] = {"min": [-3.0, -3.0], "max": [3.0, 3.0]}
     plan = tmp_path / "plan.json"
     clearway.solve(written(tmp_path, scene), plan, "--seed", 1, "--time-limit", 30)
-    judge(clearway, plan)
+    judge(clearway, plan, fast=True)
     content = json.loads(plan.read_text())
     carried = [segment for _, segment in drives(content) if segment.get("attached")]
     assert len(carried) >= len(content["removed"])
@@ -207,3 +207,33 @@ def test_a_base_of_joints_out_of_place(clearway, tmp_path):
     (tmp_path / "pr2_left.urdf").write_text(text.replace("</robot>", joints.replace("0.1 0 0", "0 0 0")))
     done = clearway.run("robot", robot)
     assert done.code == SOLVED, done.err
+
+
+# --- anybody's arm ------------------------------------------------------------------------------
+
+
+def test_any_arm_can_be_given_a_base(clearway, tmp_path):
+    """The built-in UR10 on a base that drives: the same shelf, and never more removals than fixed."""
+    robots = REPOSITORY / "robots" / "ur10_ag95"
+    for name in ("ur10_ag95.urdf", "ur10_ag95.srdf"):
+        (tmp_path / name).write_text((robots / name).read_text())
+    mobile = "mobile: {planar: {joints: [bx, by, byaw], velocity: [0.5, 0.5, 0.8]}}"
+    text = (robots / "robot.yaml").read_text()
+    assert "mobile: none" in text
+    (tmp_path / "robot.yaml").write_text(text.replace("mobile: none", mobile))
+    shelf = (REPOSITORY / "examples" / "shelf.yaml").read_text()
+    assert "model: ur10_ag95" in shelf and "id: pedestal" in shelf
+    # What drives does not stand on a post.
+    head, rest = shelf.split("- id: pedestal", 1)
+    shelf = head + "objects:" + rest.split("objects:", 1)[1]
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(shelf.replace("model: ur10_ag95", f"model: {tmp_path / 'robot.yaml'}"))
+    removed = []
+    for more in ([], ["--fixed-base"]):
+        plan = tmp_path / f"plan{len(more)}.json"
+        clearway.solve(scene, plan, "--seed", 1, *more)
+        judge(clearway, plan, fast=True)
+        content = json.loads(plan.read_text())
+        assert content["robot"]["base_joints"] == ["bx", "by", "byaw"]
+        removed.append(len(content["removed"]))
+    assert removed[0] <= removed[1]
