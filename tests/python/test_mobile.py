@@ -138,6 +138,7 @@ def test_without_a_free_side_each_is_told(clearway, tmp_path, scene):
     assert done.code in (IMPOSSIBLE, OUT_OF_BUDGET)
     sides = json.loads(plan.read_text())["why"]["sides"]
     assert len(sides) == 8
+    assert all(side["free"] == 0 and side["tried"] > 0 for side in sides)
     named = {name for side in sides for name in side["blocked_by"]}
     assert {"fence_far", "fence_left", "fence_right", "fence_near"} & named, named
     assert any(name in done.err for name in named), done.err

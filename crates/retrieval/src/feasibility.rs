@@ -246,7 +246,9 @@ impl Feasibility {
     /// Where a mobile base could stand round the target, where stops were chosen.
     pub(crate) fn sides(&self) -> Vec<SideWhy> {
         let chosen = self.base.as_ref().filter(|base| base.chosen);
-        chosen.map_or(Vec::new(), |base| base.sides(&self.stands[0].world.model.robot.home))
+        let Some((base, standing)) = chosen.and_then(|base| Some((base, base.model.standing.as_ref()?))) else { return Vec::new() };
+        let served = Served::of(&self.scene, &self.stands[0].world);
+        base.sides(&standing.model.robot.home, &served, &standing.reachability)
     }
 
     /// Chooses the stops of a mobile base, if it has not been done.

@@ -148,11 +148,19 @@ fn drives(plan: &PlanFile) -> String {
 
 /// Which sides of the target a mobile base was tried on, and what is in its way there.
 fn sides(plan: &PlanFile) -> String {
+    /// Of what is in the way on a side.
+    const NAMED: usize = 4;
     let side = |side: &SideWhy| {
         let degrees = side.bearing.to_degrees();
         let found = match (side.tried, side.free) {
             (0, _) => "no place there has it in reach".to_owned(),
-            (tried, 0) => format!("none of {tried} places is free: {}", side.blocked_by.join(", ")),
+            (tried, 0) => {
+                // Those in the way at most places come first.
+                let more = side.blocked_by.len().saturating_sub(NAMED);
+                let named = side.blocked_by[..side.blocked_by.len() - more].join(", ");
+                let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+                format!("none of {tried} places is free: {named}{more}")
+            }
             (tried, free) => format!("{free} of {tried} places are free"),
         };
         format!("  {degrees:>4.0}° from {}: {found}\n", plan.scene.target)

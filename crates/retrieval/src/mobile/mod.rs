@@ -24,7 +24,7 @@ use clearway_motion::{Posture, Timed};
 use clearway_plan::plan_file::SideWhy;
 use clearway_plan::scene_file::{Rect, Weights};
 use clearway_plan::{ObjectId, ObjectSet};
-use clearway_robot::{Placement, Robot};
+use clearway_robot::{Placement, Reachability, Robot, Root};
 use clearway_scene::{Fixture, Scene};
 use rand::Rng;
 use std::f64::consts::{PI, TAU};
@@ -114,10 +114,12 @@ impl Base {
     }
 
     /// What was found on the sides of the target: where the robot could stand to reach it, and what is in its way.
-    pub fn sides(&self, arm: &[f64]) -> Vec<SideWhy> {
+    pub fn sides(&self, arm: &[f64], served: &Served, reachability: &Reachability) -> Vec<SideWhy> {
         /// Placements looked at for what blocks a side.
         const LOOKED_AT: usize = 24;
         let of_side = |(bearing, free, blocked): (f64, usize, &[Placement])| {
+            let has_target = |p: &&Placement| served.has_target(reachability, &Root::of(&self.world_from_root(**p)));
+            let blocked: Vec<&Placement> = blocked.iter().filter(has_target).collect();
             let mut met: Vec<(String, usize)> = Vec::new();
             for placement in blocked.iter().take(LOOKED_AT) {
                 let mut names: Vec<String> = {

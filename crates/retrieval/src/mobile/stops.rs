@@ -20,9 +20,9 @@ use std::f64::consts::{PI, TAU};
 /// What was found at the placements that serve most, by side as seen from the target.
 #[derive(Clone, Debug, Default)]
 pub struct Sides {
-    /// By side: placements at which the robot can stand.
+    /// By side: placements at which the robot can stand and has the target in reach.
     free: [usize; Sides::COUNT],
-    /// And those at which it cannot.
+    /// And those at which it cannot stand.
     blocked: [Vec<Placement>; Sides::COUNT],
 }
 
@@ -46,6 +46,7 @@ struct Errand {
     /// Errands of one group are served when one of them is.
     group: usize,
     weight: f64,
+    is_target: bool,
 }
 
 /// How often the hand has to be met for a pose to count as well served.
@@ -88,7 +89,7 @@ impl Served {
             let step = if is_target { 1 } else { grasps.len().div_ceil(GRASPS).max(1) };
             let weight = if is_target { TARGET } else { 1.0 };
             for grasp in grasps.iter().step_by(step) {
-                errands.push(Errand { aim: Aim::of(&(scene.objects[index].pose * grasp.object_from_tool)), group: groups, weight });
+                errands.push(Errand { aim: Aim::of(&(scene.objects[index].pose * grasp.object_from_tool)), group: groups, weight, is_target });
                 groups += 1;
             }
         }
@@ -102,7 +103,7 @@ impl Served {
             for spot in spots.iter().step_by(spots.len().div_ceil(SPOTS).max(1)) {
                 let Some(pose) = place::standing_at(&target.solid, &target.pose, 0.0, spot, &scene.places[index]) else { continue };
                 for grasp in grasps.iter().step_by(step) {
-                    errands.push(Errand { aim: Aim::of(&(pose * grasp.object_from_tool)), group: groups, weight: SPOT });
+                    errands.push(Errand { aim: Aim::of(&(pose * grasp.object_from_tool)), group: groups, weight: SPOT, is_target: false });
                 }
                 groups += 1;
             }
@@ -120,6 +121,11 @@ impl Served {
             *group = group.max((met / ENOUGH).min(1.0));
         }
         served
+    }
+
+    /// Whether the target is within reach from there.
+    pub fn has_target(&self, reachability: &Reachability, root: &Root) -> bool {
+        self.errands.iter().any(|e| e.is_target && reachability.met(root, &e.aim) > 0)
     }
 
     /// How many spots for what is put down are served from there.
@@ -161,17 +167,20 @@ pub fn choose(base: &Base, scene: &Scene, served: &Served, reachability: &Reacha
     let mut candidates: Vec<(Placement, Vec<f64>)> = Vec::new();
     for (side, mut useful) in useful.into_iter().enumerate() {
         useful.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut found = 0;
         for some in useful[..useful.len().min(TRIED)].chunks(LANES) {
             let placements: Vec<Placement> = some.iter().map(|(_, p)| *p).collect();
             for (placement, free) in placements.iter().zip(standing.free(&placements)) {
                 if free {
-                    sides.free[side] += 1;
-                    candidates.push((*placement, served.from(reachability, &Root::of(&base.world_from_root(*placement)))));
+                    let root = Root::of(&base.world_from_root(*placement));
+                    found += 1;
+                    sides.free[side] += usize::from(served.has_target(reachability, &root));
+                    candidates.push((*placement, served.from(reachability, &root)));
                 } else {
                     sides.blocked[side].push(*placement);
                 }
             }
-            if sides.free[side] >= FREE {
+            if found >= FREE {
                 break;
             }
         }
