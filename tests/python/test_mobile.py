@@ -205,7 +205,8 @@ def test_a_base_of_joints_out_of_place(clearway, tmp_path):
     done = clearway.run("robot", robot)
     assert done.code == BAD_INPUT
     assert "base_x" in done.err and "offset" in done.err
-    (tmp_path / "pr2_left.urdf").write_text(text.replace("</robot>", joints.replace("0.1 0 0", "0 0 0")))
+    straight = joints.replace("0.1 0 0", "0 0 0")
+    (tmp_path / "pr2_left.urdf").write_text(text.replace("</robot>", straight))
     done = clearway.run("robot", robot)
     assert done.code == SOLVED, done.err
 
@@ -214,7 +215,7 @@ def test_a_base_of_joints_out_of_place(clearway, tmp_path):
 
 
 def test_any_arm_can_be_given_a_base(clearway, tmp_path):
-    """The built-in UR10 on a base that drives: the same shelf, and never more removals than fixed."""
+    """The built-in UR10 on a base that drives: never more removals than with the base fixed."""
     robots = REPOSITORY / "robots" / "ur10_ag95"
     for name in ("ur10_ag95.urdf", "ur10_ag95.srdf"):
         (tmp_path / name).write_text((robots / name).read_text())
