@@ -11,18 +11,28 @@ const MAX_STEPS: usize = 64;
 
 /// The distance between two placed convex shapes, metres; 0 when they touch or overlap.
 pub fn distance(a: &Convex, world_from_a: &Pose, b: &Convex, world_from_b: &Pose) -> f64 {
+    nearest(a, world_from_a, b, world_from_b).map_or(0.0, |gjk| gjk.lower)
+}
+
+/// From *b*'s nearest point to *a*'s, in the world; nothing when they touch or overlap.
+pub fn between(a: &Convex, world_from_a: &Pose, b: &Convex, world_from_b: &Pose) -> Option<DVec3> {
+    nearest(a, world_from_a, b, world_from_b).map(|gjk| world_from_a.rotation * gjk.nearest)
+}
+
+/// The search at its end; nothing when the shapes touch or overlap.
+fn nearest<'a>(a: &'a Convex, world_from_a: &Pose, b: &'a Convex, world_from_b: &Pose) -> Option<Gjk<'a>> {
     let a_from_b = world_from_a.inverse() * *world_from_b;
     let between = -a_from_b.translation;
     let guess = if between.length_squared() < 1e-24 { DVec3::X } else { between };
     let mut gjk = Gjk::starting(a, b, a_from_b, guess);
     for _ in 0..MAX_STEPS {
         match gjk.step() {
-            Progress::Overlap => return 0.0,
+            Progress::Overlap => return None,
             Progress::Settled => break,
             Progress::Between => {}
         }
     }
-    gjk.lower
+    Some(gjk)
 }
 
 /// Whether two placed convex shapes are closer than `margin ≥ 0` (metres). When rounding leaves it
@@ -313,6 +323,10 @@ mod tests {
         assert!((distance(&cylinder, &at(0.0, 0.0, 0.0), &cylinder, &at(0.01, 0.0, 0.3)) - 0.04).abs() < 1e-8);
         let wall = Convex::Box { half: Vec3::new(0.01, 0.5, 0.5) };
         assert!((distance(&cylinder, &at(0.0, 0.0, 0.0), &wall, &at(0.0501, 0.0, 0.0)) - 0.0001).abs() < 1e-8);
+        let turned = Pose::from_rpy([0.0, 0.0, 1.0], Vec3::ZERO);
+        let way = between(&cylinder, &turned, &wall, &at(0.07, 0.0, 0.0)).unwrap();
+        assert!((way - Vec3::new(-0.02, 0.0, 0.0)).length() < 1e-6, "{way}");
+        assert_eq!(between(&cylinder, &turned, &wall, &at(0.0499, 0.0, 0.0)), None);
         assert_eq!(distance(&cylinder, &at(0.0, 0.0, 0.0), &wall, &at(0.0499, 0.0, 0.0)), 0.0);
     }
 }

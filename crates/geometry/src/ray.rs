@@ -5,7 +5,12 @@ use glam::DVec3;
 
 /// How far along the unit `direction` the shape begins, in its frame; 0 from inside, `None` if it is missed.
 pub fn meets(convex: &Convex, origin: DVec3, direction: DVec3) -> Option<f64> {
-    let inside = match convex {
+    stretch(convex, origin, direction).filter(|(_, to)| *to >= 0.0).map(|(from, _)| from.max(0.0))
+}
+
+/// Where the whole line through `origin` is inside the shape: from, to.
+pub fn stretch(convex: &Convex, origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+    match convex {
         Convex::Sphere { radius } => ball(DVec3::ZERO, *radius, origin, direction),
         Convex::Box { half } => {
             let slab = |i: usize| between(origin[i], direction[i], -half[i], half[i]);
@@ -23,8 +28,7 @@ pub fn meets(convex: &Convex, origin: DVec3, direction: DVec3) -> Option<f64> {
         Convex::Hull(hull) => hull.planes.iter().try_fold((f64::NEG_INFINITY, f64::INFINITY), |so_far, (n, d)| {
             overlap(so_far, between(n.dot(origin), n.dot(direction), f64::NEG_INFINITY, *d)?)
         }),
-    };
-    inside.filter(|(_, to)| *to >= 0.0).map(|(from, _)| from.max(0.0))
+    }
 }
 
 /// The same for a placed solid.

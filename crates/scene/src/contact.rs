@@ -20,32 +20,52 @@ pub(crate) struct Placed<'a> {
     pub(crate) max: Vec3,
 }
 
-struct Part<'a> {
-    convex: &'a Convex,
-    pose: Pose,
-    min: Vec3,
-    max: Vec3,
+pub(crate) struct Part<'a> {
+    pub(crate) convex: &'a Convex,
+    pub(crate) pose: Pose,
+    pub(crate) min: Vec3,
+    pub(crate) max: Vec3,
+}
+
+impl<'a> Part<'a> {
+    pub(crate) fn new(convex: &'a Convex, pose: Pose) -> Self {
+        let most = |axis: Vec3| support(convex, &pose, axis).dot(axis);
+        let max = Vec3::new(most(Vec3::X), most(Vec3::Y), most(Vec3::Z));
+        let min = -Vec3::new(most(-Vec3::X), most(-Vec3::Y), most(-Vec3::Z));
+        Self { convex, pose, min, max }
+    }
 }
 
 impl<'a> Placed<'a> {
     pub(crate) fn new(solid: &'a Solid, world_from_solid: Pose) -> Self {
-        let parts: Vec<Part> = solid
-            .parts
-            .iter()
-            .map(|(solid_from_part, convex)| {
-                let pose = world_from_solid * *solid_from_part;
-                let most = |axis: Vec3| support(convex, &pose, axis).dot(axis);
-                let max = Vec3::new(most(Vec3::X), most(Vec3::Y), most(Vec3::Z));
-                let min = -Vec3::new(most(-Vec3::X), most(-Vec3::Y), most(-Vec3::Z));
-                Part { convex, pose, min, max }
-            })
-            .collect();
+        Self::of(&world_from_solid, solid.parts.iter())
+    }
+
+    /// Only the parts whose boxes come near this one, seen from above.
+    pub(crate) fn near(solid: &'a Solid, world_from_solid: Pose, (min, max): (Vec3, Vec3)) -> Self {
+        let meets = |low: Vec3, high: Vec3| horizontally_near(low - FLAT, high + FLAT, min, max);
+        let is_near = |(pose, convex): &&(Pose, Convex)| match convex {
+            // Points of a cloud are many.
+            Convex::Sphere { radius } => {
+                let centre = world_from_solid.point(pose.translation);
+                meets(centre - *radius, centre + *radius)
+            }
+            _ => {
+                let (low, high) = convex.aabb(&(world_from_solid * *pose));
+                meets(low, high)
+            }
+        };
+        Self::of(&world_from_solid, solid.parts.iter().filter(is_near))
+    }
+
+    fn of(world_from_solid: &Pose, parts: impl Iterator<Item = &'a (Pose, Convex)>) -> Self {
+        let parts: Vec<Part> = parts.map(|(pose, convex)| Part::new(convex, *world_from_solid * *pose)).collect();
         let min = parts.iter().map(|p| p.min).fold(Vec3::INFINITY, Vec3::min);
         let max = parts.iter().map(|p| p.max).fold(Vec3::NEG_INFINITY, Vec3::max);
         Self { parts, min, max }
     }
 
-    fn pairs<'s>(&'s self, other: &'s Placed<'a>) -> impl Iterator<Item = (&'s Part<'a>, &'s Part<'a>)> {
+    pub(crate) fn pairs<'s>(&'s self, other: &'s Placed<'a>) -> impl Iterator<Item = (&'s Part<'a>, &'s Part<'a>)> {
         // Boxes first: a point cloud has a hundred thousand parts.
         let near = other.parts.iter().filter(|b| horizontally_near(self.min, self.max, b.min, b.max));
         near.flat_map(move |b| self.parts.iter().map(move |a| (a, b)))
@@ -100,7 +120,7 @@ pub(crate) fn clearances(a: &Placed, b: &Placed, lowest: f64, mut highest: impl 
 }
 
 /// How far *a* would fall onto *b*; nothing when it would miss.
-fn clearance(a: &Part, b: &Part) -> Option<f64> {
+pub(crate) fn clearance(a: &Part, b: &Part) -> Option<f64> {
     if let Some(aside) = (b.pose.translation - a.pose.translation).with_z(0.0).try_normalize()
         && (reach(a, b, aside) <= 0.0 || reach(a, b, -aside) <= 0.0)
     {
@@ -151,7 +171,7 @@ fn clearance(a: &Part, b: &Part) -> Option<f64> {
 }
 
 /// The point of a placed shape farthest along `direction`.
-fn support(convex: &Convex, pose: &Pose, direction: Vec3) -> Vec3 {
+pub(crate) fn support(convex: &Convex, pose: &Pose, direction: Vec3) -> Vec3 {
     pose.point(convex.support(pose.rotation.transpose() * direction))
 }
 

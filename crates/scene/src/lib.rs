@@ -2,28 +2,35 @@
 //!
 //! A [`Scene`] that exists is sound. All numbers are finite and all sizes positive; ids are unique
 //! and the target is one of them; no object reaches more than a millimetre into another or into a
-//! fixture; each rests on something, exactly; every mesh was there. Whatever is not so is a
-//! [`FileError`] that points at the line.
+//! fixture; each rests on something, exactly, and stays there, as does every stack; every mesh was
+//! there. Whatever is not so is a [`FileError`] that points at the line.
 //!
 //! Metres and radians in the world frame, z up. Reading costs a few milliseconds for some hundred
 //! objects; meshes cost their convex hulls. Whether the robot exists, and whether its start is
-//! free, is not judged here; nor is balance: an object may rest on an edge.
+//! free, is not judged here.
 
 mod bodies;
 mod contact;
+mod equilibrium;
+mod feasible;
 mod ids;
 mod numbers;
 mod overlap;
+mod patch;
 mod pose;
 mod shape;
 mod source;
+mod stability;
+mod standing;
 mod support;
 mod surroundings;
 
 pub use bodies::Bodies;
+pub use stability::EDGE;
+pub use standing::TOUCH;
 
 use clearway_files::{FileError, Limits, read_text, yaml};
-use clearway_geometry::{Pose, Solid, Vec2, Vec3};
+use clearway_geometry::{Mass, Pose, Solid, Vec2, Vec3};
 use clearway_plan::scene_file::FORMAT;
 use clearway_plan::{ObjectId, ObjectSet, SceneFile};
 use source::Source;
@@ -79,6 +86,8 @@ pub struct Hidden {
 pub struct Object {
     pub id: String,
     pub solid: Arc<Solid>,
+    /// Of the solid in its own frame, at density 1.
+    pub mass: Mass,
     /// World from object.
     pub pose: Pose,
     pub support: Support,
@@ -89,7 +98,8 @@ pub struct Object {
 pub enum Support {
     /// Only a fixture, this one of [`Scene::fixtures`].
     Fixture(usize),
-    /// These objects, in ascending order, and perhaps a fixture besides.
+    /// These objects, in ascending order, and perhaps a fixture besides. None carry what floats, which
+    /// only [`Scene::moved`] can bring about.
     Objects(Vec<ObjectId>),
 }
 
@@ -165,7 +175,7 @@ impl Scene {
         let mut bodies = Vec::with_capacity(file.objects.len());
         for (i, body) in file.objects.iter().enumerate() {
             let (solid, pose) = reader.body(&format!("objects.{i}"), body, shape::Role::Object)?;
-            bodies.push(support::Resting { id: body.id.clone(), solid: Arc::new(solid), pose });
+            bodies.push(support::Resting { id: body.id.clone(), mass: solid.mass(), solid: Arc::new(solid), pose });
         }
         let meshes = reader.into_meshes();
 
@@ -176,7 +186,7 @@ impl Scene {
         let objects = bodies
             .into_iter()
             .zip(supports)
-            .map(|(body, support)| Object { id: body.id, solid: body.solid, pose: body.pose, support })
+            .map(|(body, support)| Object { id: body.id, solid: body.solid, mass: body.mass, pose: body.pose, support })
             .collect::<Vec<_>>();
         let places = file
             .place

@@ -7,9 +7,9 @@
 
 use crate::contact::{Placed, clearances, near_pairs};
 use crate::source::Source;
-use crate::{FORGIVEN, Fixture, Support, overlap};
+use crate::{FORGIVEN, Fixture, Support, overlap, stability};
 use clearway_files::{FileError, quoted};
-use clearway_geometry::{Pose, Solid};
+use clearway_geometry::{Mass, Pose, Solid};
 use clearway_plan::ObjectId;
 use std::sync::Arc;
 
@@ -24,16 +24,17 @@ const MAX_PAIRS: usize = 1_000_000;
 pub(crate) struct Resting {
     pub(crate) id: String,
     pub(crate) solid: Arc<Solid>,
+    pub(crate) mass: Mass,
     pub(crate) pose: Pose,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Under {
+pub(crate) enum Under {
     Fixture(usize),
     Object(usize),
 }
 
-/// Checks that nothing overlaps and everything rests; sets the objects down; says on what.
+/// Checks that nothing overlaps and everything rests, and stays; sets the objects down; says on what.
 pub(crate) fn settle(
     source: &Source,
     objects: &mut [Resting],
@@ -55,6 +56,7 @@ pub(crate) fn settle(
         let shifts = shifts(&below);
         round += 1;
         if round == ROUNDS || shifts.iter().all(|s| *s == 0.0) {
+            stability::check(source, objects, &placed, fixtures, &placed_fixtures)?;
             return Ok(below.iter().map(|found| support(found)).collect());
         }
         for (object, shift) in objects.iter_mut().zip(shifts) {
@@ -155,7 +157,7 @@ fn shifts(below: &[Vec<(Under, f64)>]) -> Vec<f64> {
 }
 
 /// Everything within noise carries.
-fn support(below: &[(Under, f64)]) -> Support {
+pub(crate) fn support(below: &[(Under, f64)]) -> Support {
     let mut carriers: Vec<&(Under, f64)> = below.iter().filter(|(_, c)| *c <= FORGIVEN).collect();
     carriers.sort_by(|x, y| x.1.abs().total_cmp(&y.1.abs()));
     let mut objects: Vec<ObjectId> = Vec::new();

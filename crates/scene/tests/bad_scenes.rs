@@ -279,6 +279,43 @@ fn floating_and_sunk() {
 }
 
 #[test]
+fn falling() {
+    refused(
+        "[0.90, -0.10, 0.70]",
+        "[0.90, -0.4623, 0.70]",
+        (15, 15),
+        &[
+            "object `o3` is not stable: its centre of mass is 12.3 mm outside what carries it (`floor`)",
+            "expected objects that stand by themselves, taken as solid and of one density",
+            "help: at [0.9000, -0.4500, 0.7000] it would stand; or put something under it",
+        ],
+    );
+    refused(
+        "[0.90, -0.10, 0.70]",
+        "[0.9600, 0.10, 0.96]",
+        (15, 15),
+        &["object `o3` is not stable: its centre of mass is 20.0 mm outside what carries it (`o2`)"],
+    );
+    // A board on the can, a weight on the board.
+    let stack = |x: f64| {
+        let board = "  - {id: o4, box: {size: [0.3, 0.1, 0.01]}, position: [0.90, 0.10, 0.865]}\n";
+        let load = format!("  - {{id: o5, box: {{size: [0.05, 0.05, 0.1]}}, position: [{x}, 0.10, 0.92]}}\n");
+        format!("{board}{load}target: o2\n")
+    };
+    refused(
+        "target: o2\n",
+        &stack(1.0),
+        (16, 55),
+        &["object `o4` does not stand with `o5` on it", "help: together their centre of mass is 5.4 mm outside what carries them (`o1` and `o2`)"],
+    );
+    assert!(read(&GOOD.replace("target: o2\n", &stack(0.95))).is_ok());
+    // Half a millimetre over the edge is noise.
+    assert!(read(&GOOD.replace("[0.90, -0.10, 0.70]", "[0.90, -0.4504, 0.70]")).is_ok());
+    assert!(read(&GOOD.replace("[0.90, -0.10, 0.70]", "[0.90, -0.4506, 0.70]")).is_err());
+    refused("[0.90, -0.10, 0.70]", "[0.90, -0.49, 0.70]", (15, 15), &["floats: nothing is below it"]);
+}
+
+#[test]
 fn files_that_a_scene_names() {
     let dir = tempfile::tempdir().unwrap();
     let inside = dir.path().join("scene");

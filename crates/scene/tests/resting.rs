@@ -96,7 +96,7 @@ fn reading_back_what_was_read_changes_nothing() {
     let first = scene(&[
         "id: a, cylinder: {radius: 0.04, height: 0.2}, position: [0, 0, 0.7008]",
         "id: b, capsule: {radius: 0.04, height: 0.1}, quaternion: [0.5, 0.5, 0.5, 0.5], position: [-0.3, 0, 0.6405]",
-        "id: c, box: {size: [0.1, 0.1, 0.1]}, rpy: [0.7, 0.2, 0], position: [0.3, 0.3, 0.6797]",
+        "id: c, box: {size: [0.1, 0.1, 0.1]}, rpy: [0.7853981633974483, 0, 0.2], position: [0.3, 0.3, 0.6702]",
         "id: d, sphere: {radius: 0.02}, position: [0.01, 0.01, 0.8199]",
         "id: e, box: {size: [0.05, 0.05, 0.1]}, position: [0.0649, 0, 0.6509]",
     ]);
