@@ -16,7 +16,7 @@ pub struct Held {
     /// Fixtures that carry the object where it is lifted off or put down: not checked against it
     /// while [`Moment::resting`].
     pub fixtures_below: Vec<usize>,
-    /// Likewise, standing objects.
+    /// Likewise, objects, standing where the scene has them or put down elsewhere.
     pub objects_below: ObjectSet,
     /// The robot with the object in its hand, for quick answers; without it what is held is looked
     /// at exactly everywhere.

@@ -160,6 +160,6 @@ impl World {
         let below = if resting { held.objects_below } else { ObjectSet::EMPTY };
         self.fixtures.iter().enumerate().any(|(i, f)| !(resting && held.fixtures_below.contains(&i)) && near(f))
             || moment.standing.difference(below.with(held.object)).iter().any(|id| near(&self.objects[id.index()]))
-            || moment.placed.iter().any(|(_, o)| near(o))
+            || moment.placed.iter().any(|(id, o)| !below.contains(*id) && near(o))
     }
 }

@@ -125,10 +125,10 @@ impl World {
                 return true;
             }
         }
-        if moment.placed.iter().any(|(_, o)| near(o)) {
+        let carriers = if moment.resting { held.objects_below } else { ObjectSet::EMPTY };
+        if moment.placed.iter().any(|(id, o)| !carriers.contains(*id) && near(o)) {
             return true;
         }
-        let carriers = if moment.resting { held.objects_below } else { ObjectSet::EMPTY };
         for id in moment.standing.difference(carriers).difference(ObjectSet::of(held.object)).iter() {
             if near(&self.objects[id.index()]) {
                 touched.insert(id);

@@ -91,7 +91,7 @@ impl Quick {
                 _ if owner_link(number).is_some() => false,
                 Owner::Fixture(index) => held.fixtures_below.contains(&index),
                 Owner::Standing(id) => held.objects_below.contains(id),
-                Owner::Placed(_) => false,
+                Owner::Placed(index) => moment.placed.get(index).is_some_and(|(id, _)| held.objects_below.contains(*id)),
             };
             let mut mask = Vec::new();
             obstacles.mask(below, &mut mask);

@@ -198,28 +198,32 @@ impl World {
         placed
     }
 
-    /// The fixtures and standing objects that carry an object at rest at `root_from_object`: those
-    /// it touches there, but no longer when raised by a little.
+    /// The fixtures and objects, where the scene has them, that carry an object at rest at `root_from_object`.
     pub fn below(&self, object: ObjectId, root_from_object: &Pose) -> (Vec<usize>, ObjectSet) {
-        /// What is this near may carry it, metres.
-        const NEAR: f64 = 0.002;
-        const RAISED: f64 = 2.0 * NEAR + 0.001;
-        let raised = Pose::new(root_from_object.rotation, root_from_object.translation + self.up() * RAISED);
-        let bound = self.objects[object.index()].bound;
-        let centre = root_from_object.point(self.poses[object.index()].inverse_point(bound.centre));
-        let touches = |other: &Obstacle, pose: &Pose| {
-            other.near_bound(centre, bound.radius + RAISED, NEAR)
-                && self.solids[object.index()].parts.iter().any(|(part, convex)| {
-                    other.parts.iter().any(|p| p.near_convex(convex, &(*pose * *part), NEAR))
-                })
-        };
-        let carries = |other: &Obstacle| touches(other, root_from_object) && !touches(other, &raised);
+        let carries = |other: &Obstacle| self.carries(other, object, root_from_object);
         let fixtures = (0..self.fixtures.len()).filter(|&i| carries(&self.fixtures[i])).collect();
         let objects = (0..self.objects.len())
             .filter(|&i| i != object.index() && carries(&self.objects[i]))
             .map(|i| ObjectId(i as u16))
             .collect();
         (fixtures, objects)
+    }
+
+    /// Whether something carries an object at rest: it is touched there, but no longer when the object is raised
+    /// by a little.
+    pub fn carries(&self, other: &Obstacle, object: ObjectId, root_from_object: &Pose) -> bool {
+        /// What is this near may carry it, metres.
+        const NEAR: f64 = 0.002;
+        const RAISED: f64 = 2.0 * NEAR + 0.001;
+        let raised = Pose::new(root_from_object.rotation, root_from_object.translation + self.up() * RAISED);
+        let bound = self.objects[object.index()].bound;
+        let centre = root_from_object.point(self.poses[object.index()].inverse_point(bound.centre));
+        let touches = |pose: &Pose| {
+            self.solids[object.index()].parts.iter().any(|(part, convex)| {
+                other.parts.iter().any(|p| p.near_convex(convex, &(*pose * *part), NEAR))
+            })
+        };
+        other.near_bound(centre, bound.radius + RAISED, NEAR) && touches(root_from_object) && !touches(&raised)
     }
 
     /// The world's up, in the root frame.

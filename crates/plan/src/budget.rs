@@ -59,6 +59,11 @@ impl Budget {
         if self.iterations.is_some_and(|limit| before >= limit) { Err(Stop::Iterations) } else { Ok(()) }
     }
 
+    /// How much time is left; `None`: all there is.
+    pub fn remaining(&self) -> Option<Duration> {
+        self.deadline.map(|d| d.saturating_duration_since(Instant::now()))
+    }
+
     /// Says whether work may go on. Cheap enough for inner loops (tens of nanoseconds).
     pub fn check(&self) -> Result<(), Stop> {
         if self.cancelled.load(Ordering::Relaxed) {

@@ -28,6 +28,10 @@ pub struct PlanFile {
     /// The objects removed, in order; the target is the last.
     #[serde(default, deserialize_with = "null_is_default")]
     pub removed: Vec<String>,
+    /// What was asked for, in PDDL, if it is not to have the target: then any object may be moved, more than once,
+    /// and left on whatever carries it; `removed` has each object by its last step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lower_bound: Option<LowerBound>,
     #[serde(default, deserialize_with = "null_is_default")]
@@ -82,6 +86,7 @@ impl PlanFile {
             scene,
             robot: PlannedRobot::default(),
             removed: Vec::new(),
+            goal: None,
             lower_bound: None,
             steps: Vec::new(),
             known: Vec::new(),

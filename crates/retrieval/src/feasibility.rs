@@ -6,8 +6,9 @@
 
 use crate::barriers::Barriers;
 use crate::bound::Prover;
-use crate::carry::{self, Carried, Carrier, Elsewhere, Obstruction, Situation};
+use crate::carry::{self, Carried, Carrier, Obstruction, Situation};
 use crate::floor::Floor;
+use crate::mobile::bring::Elsewhere;
 use crate::mobile::itinerary::{Errand, Visit};
 use crate::mobile::{self, Base, Served};
 use crate::order::WaysIn;
@@ -57,17 +58,17 @@ pub struct Taking {
 pub struct Feasibility {
     pub(crate) scene: Scene,
     pub(crate) floor: Floor,
-    inverse: InverseKinematics,
-    settings: ways::Settings,
-    carrying: carry::Settings,
+    pub(crate) inverse: InverseKinematics,
+    pub(crate) settings: ways::Settings,
+    pub(crate) carrying: carry::Settings,
     /// Of the arm.
     start: Posture,
     /// Where the robot stands, or could: the start first. A base that does not drive has no other.
     pub(crate) stands: Vec<Stand>,
     /// What drives it from one to the other.
     pub(crate) base: Option<Box<Base>>,
-    scratch: Scratch,
-    trees: Trees,
+    pub(crate) scratch: Scratch,
+    pub(crate) trees: Trees,
     /// Whether the arm goes home after the target.
     homing: bool,
 }
@@ -121,6 +122,23 @@ pub struct NoMotion {
     pub removed: ObjectSet,
     /// Each with `removed`: rid of all of one, one of the ways tried may do.
     pub blamed: Vec<ObjectSet>,
+}
+
+/// What carries objects at a stand; a macro, for it borrows only some of the fields.
+macro_rules! carrier {
+    ($self:ident, $stand:expr, $before:ident, $journey:ident, $budget:ident) => {
+        Carrier {
+            world: &$self.stands[$stand].world,
+            base: $before.base.clone(),
+            within: None,
+            scene: &$self.scene,
+            inverse: &$self.inverse,
+            settings: &$self.carrying,
+            random: &mut $journey.random,
+            budget: $budget,
+            trees: &mut $self.trees,
+        }
+    };
 }
 
 impl Feasibility {
@@ -447,15 +465,17 @@ impl Feasibility {
     }
 
     fn situation(&self, journey: &Journey) -> Situation {
-        match journey.carried.last() {
-            Some(carried) => carried.after.clone(),
-            None => Situation {
-                stand: 0,
-                base: self.base.as_ref().map_or(Vec::new(), |base| base.start.to_vec()),
-                posture: self.start.clone(),
-                standing: ObjectSet::first(self.scene.objects.len()),
-                placed: Vec::new(),
-            },
+        journey.carried.last().map_or_else(|| self.start_situation(), |carried| carried.after.clone())
+    }
+
+    /// How things are before anything is done.
+    pub(crate) fn start_situation(&self) -> Situation {
+        Situation {
+            stand: 0,
+            base: self.base.as_ref().map_or(Vec::new(), |base| base.start.to_vec()),
+            posture: self.start.clone(),
+            standing: self.scene.all(),
+            placed: Vec::new(),
         }
     }
 
@@ -592,17 +612,7 @@ impl Feasibility {
             let order = self.put_down_at(stop).into_iter().filter(|&s| s != stop).collect();
             let Some(ways) = self.stands[stop].ways[object.index()].take() else { break };
             let elsewhere = self.base.as_deref().filter(|base| base.settings.drives).map(|base| Elsewhere { base, stands: &self.stands, order });
-            let mut carrier = Carrier {
-                world: &self.stands[stop].world,
-                base: before.base.clone(),
-                within: None,
-                scene: &self.scene,
-                inverse: &self.inverse,
-                settings: &self.carrying,
-                random: &mut journey.random,
-                budget,
-                trees: &mut self.trees,
-            };
+            let mut carrier = carrier!(self, stop, before, journey, budget);
             let way = &ways.ways[index];
             let taken = carrier.take(object, &ways.grasps[way.grasp], way, &before, last, elsewhere.as_ref());
             let ways = self.stands[stop].ways[object.index()].insert(ways);
@@ -634,17 +644,7 @@ impl Feasibility {
         budget: &Budget,
     ) -> Result<Result<(Vec<Segment>, Situation), Obstruction>, Stop> {
         let Some(base) = &self.base else { return Ok(Ok((Vec::new(), before.clone()))) };
-        let mut carrier = Carrier {
-            world: &self.stands[before.stand].world,
-            base: before.base.clone(),
-            within: None,
-            scene: &self.scene,
-            inverse: &self.inverse,
-            settings: &self.carrying,
-            random: &mut journey.random,
-            budget,
-            trees: &mut self.trees,
-        };
+        let mut carrier = carrier!(self, before.stand, before, journey, budget);
         let mut segments = match carrier.tuck(before)? {
             Ok(segments) => segments,
             Err(obstruction) => return Ok(Err(obstruction)),

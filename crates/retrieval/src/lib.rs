@@ -10,6 +10,7 @@
 //! | [`feasibility`], and under it [`grasps`], [`ways`], [`carry`] | section IV-D |
 //! | [`planner`] | Algorithm 1 |
 //! | [`mobile`] | section V-B |
+//! | [`handling`] | what symbolic planning asks of the arm (section V-C) |
 //!
 //! Beyond the paper: `direct`, sequences along the arm's own ways; [`order`], the fewest removals when all ways
 //! are known; [`barriers`] and [`bound`], lower bounds and their
@@ -17,11 +18,13 @@
 
 pub mod barriers;
 pub mod bound;
+pub mod candidates;
 pub mod carry;
 mod direct;
 pub mod feasibility;
 pub mod floor;
 pub mod graph;
+pub mod handling;
 pub mod grasps;
 pub mod mobile;
 pub mod occlusion;

@@ -13,7 +13,7 @@ use clearway_plan::object_set::one_of;
 use clearway_plan::robot_file::HandKind;
 use clearway_plan::{ObjectId, ObjectSet, Stop, plan_file};
 use clearway_robot::Robot;
-use clearway_scene::Scene;
+use clearway_scene::{Scene, Support};
 use std::collections::BTreeMap;
 
 /// A plan over these objects.
@@ -33,6 +33,76 @@ pub fn unsolved(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectI
     PlanFile { why: why_not(arm, ending, obstruction), ..without_steps(arm, status) }
 }
 
+/// A plan that a symbolic planner made, for a goal of its own or to have the target; objects may come up more than once.
+pub fn handled(arm: &Feasibility, carried: Vec<Carried>, goal: Option<&str>) -> PlanFile {
+    let mut removed: Vec<String> = Vec::new();
+    for Carried { step, .. } in &carried {
+        removed.retain(|o| *o != step.object);
+        removed.push(step.object.clone());
+    }
+    PlanFile {
+        why: why_handled(arm, &removed, &carried, goal.is_some()),
+        removed,
+        steps: carried.into_iter().map(|c| c.step).collect(),
+        goal: goal.map(str::to_owned),
+        ..without_steps(arm, Status::Solved)
+    }
+}
+
+/// No plan for a goal.
+pub fn not_handled(arm: &Feasibility, impossible: bool, why: String, goal: Option<&str>) -> PlanFile {
+    let status = if impossible { Status::Impossible } else { Status::OutOfBudget };
+    PlanFile { why: Why { summary: why, ..Why::default() }, goal: goal.map(str::to_owned), ..without_steps(arm, status) }
+}
+
+fn why_handled(arm: &Feasibility, removed: &[String], carried: &[Carried], has_goal: bool) -> Why {
+    let names = &arm.scene.names;
+    let reason = |name: &String| {
+        let Some(object) = arm.scene.object(name) else { return (String::new(), Vec::new()) };
+        let first = carried.iter().position(|c| c.step.object == *name).unwrap_or(0);
+        let later = carried.iter().skip(first + 1).filter(|c| c.step.object != *name && c.way_blocked_by.contains(object));
+        let mut blocked: Vec<String> = later.map(|c| c.step.object.clone()).collect();
+        blocked.dedup();
+        let reason = match stands_on(arm, object, &blocked).is_empty() && blocked.is_empty() {
+            true if has_goal => "the goal asks for it".to_owned(),
+            true if object == arm.scene.target => "it is the target".to_owned(),
+            true => "a motion asks for it".to_owned(),
+            false => in_the_way(arm, object, &blocked),
+        };
+        (reason, blocked)
+    };
+    let objects = removed.iter().enumerate().map(|(i, name)| {
+        let (reason, blocked) = reason(name);
+        ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..ObjectWhy::default() }
+    });
+    let what = if has_goal { "The goal is reached".to_owned() } else { format!("`{}` is had", names[arm.scene.target.index()]) };
+    let summary = format!("{what} with {} of {} objects moved.", removed.len(), names.len());
+    Why { summary, objects: objects.collect(), sides: Vec::new() }
+}
+
+/// Those of some objects that an object stands on.
+fn stands_on<'a>(arm: &Feasibility, object: ObjectId, others: &'a [String]) -> Vec<&'a String> {
+    let below = match &arm.scene.objects[object.index()].support {
+        Support::Objects(below) => below.as_slice(),
+        Support::Fixture(_) => &[],
+    };
+    others.iter().filter(|o| below.iter().any(|b| arm.scene.names[b.index()] == **o)).collect()
+}
+
+/// Why an object has to go before those that it blocks.
+fn in_the_way(arm: &Feasibility, object: ObjectId, blocked: &[String]) -> String {
+    let name = &arm.scene.names[object.index()];
+    let list = |names: &[&String]| names.iter().map(|b| format!("`{b}`")).collect::<Vec<_>>().join(" and ");
+    let under = stands_on(arm, object, blocked);
+    if !under.is_empty() {
+        let has = if under.len() > 1 { "have" } else { "has" };
+        return format!("`{name}` stands on {}, which {has} to go", list(&under));
+    }
+    let is = if blocked.len() > 1 { "are" } else { "is" };
+    let blocked: Vec<&String> = blocked.iter().collect();
+    format!("`{name}` stands in the way of the hand, the arm or the carried object when {} {is} taken", list(&blocked))
+}
+
 fn without_steps(arm: &Feasibility, status: Status) -> PlanFile {
     PlanFile {
         format: plan_file::FORMAT.to_owned(),
@@ -41,6 +111,7 @@ fn without_steps(arm: &Feasibility, status: Status) -> PlanFile {
         scene: arm.scene.file.clone(),
         robot: planned_robot(arm.robot(), &arm.model().unchecked, &arm.scene),
         removed: Vec::new(),
+        goal: None,
         lower_bound: None,
         steps: Vec::new(),
         known: Vec::new(),
@@ -162,9 +233,7 @@ fn why_solved(arm: &Feasibility, removed: &[ObjectId], carried: &[Carried]) -> W
             } else if blocked.is_empty() {
                 format!("`{name}` stands on the way out of `{target}` in the roadmap")
             } else {
-                let list = blocked.iter().map(|b| format!("`{b}`")).collect::<Vec<_>>().join(" and ");
-                let is = if blocked.len() > 1 { "are" } else { "is" };
-                format!("`{name}` stands in the way of the hand, the arm or the carried object when {list} {is} taken")
+                in_the_way(arm, object, &blocked)
             };
             ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..learned(arm, object) }
         })

@@ -179,9 +179,30 @@ pub struct Explorer<'a> {
     pub inverse: &'a InverseKinematics,
     pub floor: &'a Floor,
     pub settings: &'a Settings,
+    /// Where the object stands, in the root frame, if not where the scene has it.
+    pub moved_to: Option<Pose>,
 }
 
 impl Explorer<'_> {
+    fn pose(&self, object: ObjectId) -> Pose {
+        self.moved_to.unwrap_or(self.world.poses[object.index()])
+    }
+
+    /// The ways to hold an object like this and no other, whatever objects stand in them.
+    pub fn with_grasp(&self, object: ObjectId, grasp: &Grasp, scratch: &mut Scratch) -> Vec<Way> {
+        let root_from_tool = self.pose(object) * grasp.object_from_tool;
+        let home = &self.world.model.robot.home;
+        let mut branches = self.inverse.solve(&root_from_tool, home);
+        branches.sort_by(|a, b| distance(b, home).total_cmp(&distance(a, home)));
+        let unseen = branches.into_iter().map(|q| (0, q)).collect();
+        let mut ways = Ways { grasps: vec![grasp.clone()], unseen, ..Ways::default() };
+        while self.see(object, &mut ways, scratch) {}
+        while let Some(next) = ways.ways.iter().position(|w| w.stage < Stage::Exact) {
+            self.advance(object, &mut ways, next, ObjectSet::CAPACITY, scratch);
+        }
+        ways.ways
+    }
+
     /// Finds every grasp posture of an object; none is looked at yet.
     pub fn explore(&self, object: ObjectId, budget: &Budget) -> Result<Ways, Stop> {
         let (grasps, too_wide) = preset_grasps(self.world, object);
@@ -189,7 +210,7 @@ impl Explorer<'_> {
         let home = &self.world.model.robot.home;
         for (index, grasp) in grasps.iter().enumerate() {
             budget.check()?;
-            let root_from_tool = self.world.poses[object.index()] * grasp.object_from_tool;
+            let root_from_tool = self.pose(object) * grasp.object_from_tool;
             let branches = self.inverse.solve(&root_from_tool, home);
             found.counts.out_of_reach += usize::from(branches.is_empty());
             found.unseen.extend(branches.into_iter().map(|q| (index, q)));
@@ -215,7 +236,8 @@ impl Explorer<'_> {
                 Touch::Fixed => found.counts.fixed_at_grasp += 1,
                 Touch::Objects(touched) => {
                     // Nothing is lifted from under a load.
-                    let blocked_by = touched.union(self.world.loads[object.index()]);
+                    let loads = if self.moved_to.is_some() { ObjectSet::EMPTY } else { self.world.loads[object.index()] };
+                    let blocked_by = touched.union(loads);
                     found.counts.ways += 1;
                     seen.push(Way {
                         grasp,
@@ -265,12 +287,13 @@ impl Explorer<'_> {
     fn draw_out(&self, object: ObjectId, grasp: &Grasp, way: &Way, step: f64, most: usize, scratch: &mut Scratch) -> Drawn {
         let world = self.world;
         let moment = self.moment(object, grasp);
-        let start = world.poses[object.index()] * grasp.object_from_tool;
+        let stands = self.pose(object);
+        let start = stands * grasp.object_from_tool;
         let back = -start.rotation.z_axis;
         let lifted = start.translation + world.up() * self.settings.lift;
         // Not one step more for rounding.
         let standoff = world.model.robot.grasps.standoff - 1e-9;
-        let standing = world.world_from_root * world.poses[object.index()];
+        let standing = world.world_from_root * stands;
         let below = standing.translation.z - world.solids[object.index()].aabb(standing).0.z;
         // Along a bend the hand comes in sideways in the end: it must not sweep through the object.
         let mut coming = Moment::new(ObjectSet::of(object), moment.hand, self.settings.margin);
@@ -300,7 +323,7 @@ impl Explorer<'_> {
                     ends = true;
                     break;
                 };
-                let object_at = world.world_from_root.point(world.poses[object.index()].translation + moved);
+                let object_at = world.world_from_root.point(stands.translation + moved);
                 let clear = self.floor.beyond_clutter(object_at.truncate(), object_at.z - below);
                 outs[postures.len() - from] = (out, clear);
                 postures.push(posture);
@@ -339,7 +362,11 @@ impl Explorer<'_> {
     }
 
     fn moment(&self, object: ObjectId, grasp: &Grasp) -> Moment {
-        moment(self.world, self.settings, object, grasp)
+        let mut moment = moment(self.world, self.settings, object, grasp);
+        if let (Some(pose), Some(held)) = (self.moved_to, &mut moment.held) {
+            (held.fixtures_below, held.objects_below) = self.world.below(object, &pose);
+        }
+        moment
     }
 
     /// Ways that are free once `removed` is gone, as many as `most`; each is exact. Those that lead

@@ -10,7 +10,9 @@
 //! |---|---|
 //! | [`stops`] | where the base may stand, from the arm's inverse reachability |
 //! | [`itinerary`] | which object from which stop, in what order |
+//! | `bring` | what cannot be put down where it was taken |
 
+pub(crate) mod bring;
 pub mod itinerary;
 mod stops;
 

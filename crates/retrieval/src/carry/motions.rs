@@ -1,0 +1,161 @@
+//! Motions of the arm: free ones, level ones, and their timing.
+
+use super::{Attempt, Carrier, obstructed};
+use clearway_collision::{Lean, Moment, Scratch, Touch};
+use clearway_geometry::{Mat3, Pose, Vec3};
+use clearway_motion::{
+    Limits, NearEnds, Path, Posture, RrtSettings, Space, Surely, Timed, connect, distance, roundest, shorten, simplify, smooth, time_curve,
+};
+use clearway_plan::{ObjectSet, Stop};
+use rand::{Rng, RngExt};
+
+/// What is held counts as resting up to this height above where it stood, metres.
+const RESTING: f64 = 0.008;
+
+impl<R: Rng> Carrier<'_, R> {
+    /// What the robot touches while its hand turns from where a moment has it to another value: fingers may
+    /// swing outwards on their way.
+    pub(crate) fn hand_turning(&self, posture: &Posture, moment: &Moment, to: f64) -> Touch {
+        const STEPS: usize = 16;
+        let mut scratch = Scratch::default();
+        let mut touched = ObjectSet::EMPTY;
+        for i in 1..=STEPS {
+            let hand = moment.hand + (to - moment.hand) * i as f64 / STEPS as f64;
+            match self.world.touched(posture, &Moment { hand, ..moment.clone() }, &mut scratch) {
+                Touch::Fixed => return Touch::Fixed,
+                Touch::Objects(set) => touched = touched.union(set),
+            }
+        }
+        Touch::Objects(touched)
+    }
+
+    /// A free motion, shortened. When none is found, a motion that may pass through objects tells
+    /// which of them stand in the way.
+    pub(crate) fn free_motion(&mut self, moment: &Moment, start: &Posture, goals: &[Posture], what: &'static str) -> Attempt<Path> {
+        // Ends may be nearer to things than free motion likes to be; then it has to do with less.
+        let mut near = moment.clone();
+        let mut space = Space::quick(self.world, moment, self.settings.step).within(self.within);
+        if !space.free(start) || !goals.iter().any(|g| space.free(g)) {
+            near.margin = self.settings.final_margin;
+            near.held_margin = self.settings.final_held_margin;
+            space = Space::quick(self.world, &near, self.settings.step).within(self.within);
+        }
+        if let Some(path) = self.connect(&mut space, start, goals, &[], self.settings.rrt.iterations)? {
+            return Ok(Ok(path));
+        }
+        let mut relaxed = near.clone();
+        relaxed.standing = ObjectSet::EMPTY;
+        let mut space = Space::quick(self.world, &relaxed, self.settings.step).within(self.within);
+        let Some(path) = self.connect(&mut space, start, goals, &[], self.settings.rrt.iterations)? else {
+            return obstructed(what, ObjectSet::EMPTY);
+        };
+        let blamed = Space::quick(self.world, &near, self.settings.step).path_touched(&path).unwrap_or_default();
+        obstructed(what, blamed)
+    }
+
+    /// A shortened path: among motions that the kernel calls free if there is one, else among all
+    /// that are.
+    fn connect(
+        &mut self,
+        space: &mut Space,
+        start: &Posture,
+        goals: &[Posture],
+        guides: &[Posture],
+        iterations: usize,
+    ) -> Result<Option<Path>, Stop> {
+        let rrt = RrtSettings { iterations, ..self.settings.rrt.clone() };
+        let mut surely = Surely(space);
+        let mut sampler = NearEnds::new(&surely, start, goals, guides, self.settings.near, self.random);
+        if let Some(path) = connect(&mut surely, start, goals, &mut sampler, &rrt, self.trees, self.budget)? {
+            return Ok(Some(simplify(&mut surely, path, &self.settings.simplify, self.budget)?));
+        }
+        let mut sampler = NearEnds::new(space, start, goals, guides, self.settings.near, self.random);
+        match connect(space, start, goals, &mut sampler, &rrt, self.trees, self.budget)? {
+            Some(path) => Ok(Some(shorten(space, path, self.settings.shortcuts, self.random, self.budget)?)),
+            None => Ok(None),
+        }
+    }
+
+    /// Smooths and times a path, and checks every row. `resting_within`: near the path's ends, by
+    /// this much of the tool's way, what is held may rest on what carries it.
+    pub(crate) fn timed(&mut self, moment: &Moment, path: &Path, resting_within: Option<f64>, what: &'static str) -> Attempt<Timed> {
+        let robot = &self.world.model.robot;
+        let limits =
+            Limits { velocity: robot.velocity.clone(), acceleration: robot.acceleration.clone(), jerk: robot.jerk.clone() };
+        let mut lenient = moment.clone();
+        lenient.resting = resting_within.is_some();
+        let mut strict = Space::quick(self.world, moment, self.settings.final_step);
+        let mut resting = Space::quick(self.world, &lenient, self.settings.final_step);
+        let mut timed = Timed::default();
+        // As round as can be; where that touches something, only as round as is free.
+        for careful in [false, true] {
+            self.budget.check()?;
+            let curve = match careful {
+                false => roundest(path),
+                true => smooth(&mut Space::quick(self.world, &lenient, self.settings.step), path),
+            };
+            timed = time_curve(&curve, &limits, self.settings.row);
+            let rows = &timed.positions;
+            if rows.len() < 2 {
+                return obstructed(what, ObjectSet::EMPTY);
+            }
+            let (from, to) = self.resting_rows(moment, rows, resting_within);
+            if resting.rows_free(&rows[..=from]) && strict.rows_free(&rows[from..=to]) && resting.rows_free(&rows[to..]) {
+                return Ok(Ok(timed));
+            }
+        }
+        let blamed = resting.path_touched(&timed.positions).unwrap_or_default();
+        obstructed(what, blamed)
+    }
+
+    /// The rows between which what is held is off what carries it: near both ends of a motion it may
+    /// rest, as long as it is no higher than it is lifted there, or lowered.
+    fn resting_rows(&self, moment: &Moment, rows: &[Posture], resting_within: Option<f64>) -> (usize, usize) {
+        let Some(reach) = resting_within else { return (0, rows.len() - 1) };
+        let tool = |q: &Posture| self.world.model.kinematics.tool(q, moment.hand).translation;
+        let (first, last) = (tool(&rows[0]), tool(&rows[rows.len() - 1]));
+        let low = |q: &Posture, end: Vec3| {
+            let off = tool(q) - end;
+            off.dot(self.world.up()).abs() < RESTING && off.length() < reach
+        };
+        let from = rows.iter().position(|q| !low(q, first)).unwrap_or(rows.len() - 1);
+        let to = rows.iter().rposition(|q| !low(q, last)).unwrap_or(from).max(from);
+        (from, to)
+    }
+
+    /// A free motion with the object in hand: level if one is found soon, otherwise any.
+    pub(crate) fn level_motion(&mut self, moment: &Moment, start: &Posture, goal: &Posture, what: &'static str) -> Attempt<Path> {
+        let world = self.world;
+        let up = world.up();
+        let (from, to) = (world.model.kinematics.tool(start, moment.hand), world.model.kinematics.tool(goal, moment.hand));
+        let level = Moment {
+            lean: Some(Lean { axis: from.rotation.transpose() * up, upward: up, least: self.settings.lean.cos() }),
+            ..moment.clone()
+        };
+        let mut space = Space::quick(world, &level, self.settings.step);
+        let mut path = None;
+        if space.free(start) && space.free(goal) {
+            if space.line_free(start, goal) {
+                path = Some(vec![start.clone(), goal.clone()]);
+            } else {
+                // Postures in between that hold the object upright, for the trees to grow towards.
+                let (low, high) = (from.translation.min(to.translation) - 0.25, from.translation.max(to.translation) + 0.25);
+                let mut guides = Vec::new();
+                for _ in 0..self.settings.guides {
+                    self.budget.check()?;
+                    let mut at = || self.random.random::<f64>();
+                    let turn = Mat3::from_axis_angle(up, std::f64::consts::TAU * at());
+                    let position = low + (high - low) * Vec3::new(at(), at(), at());
+                    let near = self.inverse.solve(&Pose::new(turn * from.rotation, position), start);
+                    let off = |q: &Posture| distance(q, start) + distance(q, goal);
+                    guides.extend(near.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))));
+                }
+                path = self.connect(&mut space, start, std::slice::from_ref(goal), &guides, self.settings.level_iterations)?;
+            }
+        }
+        match path {
+            Some(path) => Ok(Ok(path)),
+            None => self.free_motion(moment, start, std::slice::from_ref(goal), what),
+        }
+    }
+}

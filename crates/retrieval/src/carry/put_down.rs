@@ -1,0 +1,142 @@
+//! Putting down: a spot that the hand can reach with what it holds, and leave without it.
+
+use super::{Attempt, Carrier, obstructed};
+use crate::grasps::Grasp;
+use crate::place;
+use clearway_collision::{Held, Moment, Obstacle, Touch};
+use clearway_geometry::Pose;
+use clearway_motion::{Path, Posture, Space, distance};
+use clearway_plan::{ObjectId, ObjectSet};
+use rand::Rng;
+
+/// Where an object goes, and how the hand gets there and away.
+pub(crate) struct Placement {
+    /// root_from_object
+    pub pose: Pose,
+    /// From above the spot down to it.
+    pub lower: Path,
+    /// From the spot back, the hand open.
+    pub back: Path,
+    pub held: Held,
+    /// Free motion from the end of the way to above the spot.
+    pub transfer: Path,
+}
+
+impl<R: Rng> Carrier<'_, R> {
+    /// Finds a spot that the hand can reach with the object and leave without it.
+    pub(crate) fn place(&mut self, object: ObjectId, grasp: &Grasp, entry: &Posture, carrying: &Moment) -> Attempt<Placement> {
+        let world = self.world;
+        let scene_pose = world.world_from_root * world.poses[object.index()];
+        let base = world.world_from_root.translation.truncate();
+        let forward = (scene_pose * grasp.object_from_tool).rotation.z_axis.truncate();
+        let mut held = world.in_hand(object, &grasp.object_from_tool);
+        held.kernel = Some(world.model.holding(&held.solid()));
+        let mut tries = 0;
+        let mut blamed = ObjectSet::EMPTY;
+        for spot in place::spots(&self.scene.places, base) {
+            self.budget.check()?;
+            for yaw in place::yaws(forward, spot.at.truncate() - base) {
+                let place = &self.scene.places[spot.place];
+                let Some(world_from_object) =
+                    place::standing_at(&world.solids[object.index()], &scene_pose, yaw, &spot, place)
+                else {
+                    continue;
+                };
+                let pose = world.root_from_world * world_from_object;
+                let Some(placement) = self.put_down(&held, grasp, entry, carrying, pose) else { continue };
+                let mut moment = carrying.clone();
+                moment.held = Some(placement.held.clone());
+                tries += 1;
+                let above = placement.lower[0].clone();
+                match self.level_motion(&moment, entry, &above, "the motion to the place with the object in hand")? {
+                    Ok(transfer) => return Ok(Ok(Placement { transfer, ..placement })),
+                    Err(obstruction) => blamed = blamed.union(obstruction.blamed),
+                }
+                if tries >= self.settings.spots {
+                    return obstructed("the motion to the place with the object in hand", blamed);
+                }
+                break;
+            }
+        }
+        if tries > 0 {
+            return obstructed("the motion to the place with the object in hand", blamed);
+        }
+        obstructed("no spot is left on the places that the hand can reach with the object", ObjectSet::EMPTY)
+    }
+
+    /// Whether the object can be lowered onto a spot and let go of there.
+    pub(crate) fn put_down(&mut self, held: &Held, grasp: &Grasp, entry: &Posture, carrying: &Moment, pose: Pose) -> Option<Placement> {
+        const LOWER_STEP: f64 = 0.02;
+        const BACK_STEP: f64 = 0.025;
+        let world = self.world;
+        let object = held.object;
+        let placed = world.placed(object, &pose);
+        let overlap = |a: &Obstacle, b: &Obstacle| {
+            b.near_bound(a.bound.centre, a.bound.radius, 0.0)
+                && a.parts.iter().any(|p| b.parts.iter().any(|o| o.near_convex(&p.convex, &p.root_from_part, self.settings.margin)))
+        };
+        if carrying.placed.iter().any(|(_, o)| overlap(&placed, o)) || carrying.standing.iter().any(|id| overlap(&placed, &world.objects[id.index()])) {
+            return None;
+        }
+        // It comes down from above, clear of all but what will carry it.
+        let above = world.placed(object, &Pose::new(pose.rotation, pose.translation + world.up() * LOWER_STEP));
+        if world.fixtures.iter().any(|f| overlap(&above, f)) {
+            return None;
+        }
+        let at = pose * grasp.object_from_tool;
+        let mut branches = self.inverse.solve(&at, entry);
+        branches.sort_by(|a, b| distance(a, entry).total_cmp(&distance(b, entry)));
+        if branches.is_empty() {
+            return None;
+        }
+        let (fixtures_below, objects_below) = world.below(object, &pose);
+        let held = Held { fixtures_below, objects_below, ..held.clone() };
+        let mut resting = carrying.clone();
+        resting.held = Some(held.clone());
+        resting.resting = true;
+        let mut lowering = resting.clone();
+        lowering.resting = false;
+        let mut leaving = Moment::new(carrying.standing, world.model.robot.hand.open(), self.settings.margin);
+        leaving.placed = carrying.placed.clone();
+        leaving.placed.push((object, placed));
+        leaving.gripping = Some(object);
+        let standoff = world.model.robot.grasps.standoff;
+        let mut resting = Space::quick(world, &resting, self.settings.step);
+        let mut lowering = Space::quick(world, &lowering, self.settings.step);
+        let mut leaving = Space::quick(world, &leaving, self.settings.step);
+        'branch: for down in branches {
+            if !resting.free(&down) {
+                continue;
+            }
+            let mut lower = vec![down.clone()];
+            let mut height = 0.0;
+            while height < self.settings.lower_from - 1e-9 {
+                height += LOWER_STEP;
+                let target = Pose::new(at.rotation, at.translation + world.up() * height);
+                let Some(q) = self.inverse.follow(&target, &lower, 0.5) else { continue 'branch };
+                if !lowering.free(&q) {
+                    continue 'branch;
+                }
+                lower.push(q);
+            }
+            lower.reverse();
+            // Opening, the fingers need room between what stands there already.
+            if !leaving.free(&down) || self.hand_turning(&down, leaving.moment, grasp.closed) != Touch::FREE {
+                continue;
+            }
+            let mut back = vec![down];
+            let mut out = 0.0;
+            while out < standoff - 1e-9 {
+                out += BACK_STEP;
+                let target = Pose::new(at.rotation, at.translation - at.rotation.z_axis * out);
+                let Some(q) = self.inverse.follow(&target, &back, 0.5) else { continue 'branch };
+                if !leaving.free(&q) {
+                    continue 'branch;
+                }
+                back.push(q);
+            }
+            return Some(Placement { pose, lower, back, held, transfer: Path::new() });
+        }
+        None
+    }
+}
