@@ -35,6 +35,8 @@ pub enum Command {
     Export(ExportArgs),
     /// Print the JSON Schema of a file.
     Schema(SchemaArgs),
+    /// Print the built-in domain, or its streams, to be changed and given to `plan --domain`, `--streams`.
+    Pddl(PddlArgs),
 }
 
 #[derive(Debug, Args)]
@@ -83,6 +85,47 @@ pub struct PlanArgs {
     /// For scenes with a camera: behind which object within reach to look while the target is not seen.
     #[arg(long, value_enum, default_value = "expected")]
     pub look: LookKind,
+    #[command(flatten, next_help_heading = "Goals in PDDL")]
+    pub symbolic: SymbolicArgs,
+}
+
+/// What is planned with symbols and streams.
+#[derive(Debug, Args)]
+pub struct SymbolicArgs {
+    /// What to reach instead of having the target: a formula, `(and (On o7 tray) (InPlace o3))`, or a file with one.
+    #[arg(long, value_name = "PDDL")]
+    pub goal: Option<String>,
+    /// Have the target, planned with symbols and streams.
+    #[arg(long, conflicts_with = "goal")]
+    pub symbolic: bool,
+    /// A domain other than the built-in one, which `clearway pddl domain` prints.
+    #[arg(long, value_name = "DOMAIN.pddl")]
+    pub domain: Option<PathBuf>,
+    /// Streams other than the built-in ones, which `clearway pddl streams` prints.
+    #[arg(long, value_name = "STREAMS.pddl")]
+    pub streams: Option<PathBuf>,
+    #[arg(long, value_enum, default_value = "focused")]
+    pub algorithm: AlgorithmKind,
+    /// All objects may be moved from the start, not only those of removal sequences.
+    #[arg(long)]
+    pub all_movable: bool,
+    /// Plan symbols with Fast Downward: its driver script, `fast-downward.py`, to be run by `python3`.
+    #[arg(long, value_name = "DRIVER")]
+    pub fast_downward: Option<PathBuf>,
+}
+
+impl SymbolicArgs {
+    pub fn asked(&self) -> bool {
+        self.goal.is_some() || self.symbolic
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum AlgorithmKind {
+    /// A plan with values not found yet, then the streams that it needs.
+    Focused,
+    /// All streams, then a plan with what they found.
+    Incremental,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -128,12 +171,13 @@ pub struct ExplainArgs {
 pub struct GenerateArgs {
     #[arg(value_enum)]
     pub kind: Kind,
-    /// Default: 12, 100 for `large`, 20 for `table`.
+    /// Default: 12, 100 for `large`, 20 for `table`, 8 for `stacked`.
     #[arg(long)]
     pub objects: Option<usize>,
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Reject scenes in which fewer objects suffice, the target counted. Default: 2, 10 for `large`, 1 for `table`.
+    /// Reject scenes in which fewer objects suffice, the target counted. Default: 2, 10 for `large`, 1 for
+    /// `table`; for `stacked` the one on top, one below it and the target.
     #[arg(long, value_name = "N")]
     pub least_removals: Option<usize>,
     /// For `table`: only scenes in which driving helps: two or more have to be removed besides the target from
@@ -155,6 +199,8 @@ pub enum Kind {
     Table,
     /// A shelf whose objects hide each other and the target from a camera; a UR10 with a suction cup.
     Occluded,
+    /// A shelf with an object on top of two others that stand before the target.
+    Stacked,
 }
 
 #[derive(Debug, Args)]
@@ -324,6 +370,18 @@ pub enum Document {
     Robot,
     Plan,
     Motion,
+}
+
+#[derive(Debug, Args)]
+pub struct PddlArgs {
+    #[arg(value_enum)]
+    pub file: PddlFile,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum PddlFile {
+    Domain,
+    Streams,
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -11,6 +11,7 @@
 //! # Ok::<(), clearway::FileError>(())
 //! ```
 
+mod goal;
 mod motion;
 mod observed;
 mod outcome;
@@ -27,11 +28,23 @@ pub use clearway_robot::Robot;
 pub use clearway_scenarios as scenarios;
 pub use clearway_scene::Scene;
 pub use clearway_verify::{Report, VerifiedPlan, read_plan, verify, verify_file};
+pub use goal::solve_goal;
 pub use motion::{MotionOutcome, plan_motion};
 pub use clearway_retrieval::occlusion::guess::Rule as LookRule;
 pub use observed::solve_observed;
 pub use outcome::{Outcome, improve, solve};
 pub use written::{page, to_json, with_meshes_relative_to};
+
+/// PDDL with streams (section V-C).
+pub mod pddl {
+    pub use clearway_retrieval::handling::Handling;
+    pub use clearway_symbolic::arm::PROVIDED;
+    pub use clearway_symbolic::engine::{Engine, FastDownward, Ferroplan};
+    pub use clearway_symbolic::pddl::{Constant, Domain, Goal, Stream};
+    pub use clearway_symbolic::problem::{Answer, Asked, check, constants, retrieval};
+    pub use clearway_symbolic::search::Algorithm;
+    pub use clearway_symbolic::{DOMAIN, STREAMS, domain, streams};
+}
 
 use clearway_files::{Limits, read_text, yaml};
 use std::path::{Path, PathBuf};

@@ -24,6 +24,7 @@ fn main() -> std::process::ExitCode {
         Some(Command::Bench(args)) => commands::bench::run(&args),
         Some(Command::Export(args)) => commands::export::run(&args),
         Some(Command::Schema(args)) => commands::schema::run(&args),
+        Some(Command::Pddl(args)) => commands::pddl::run(&args),
     };
     result.unwrap_or_else(|failure| failure.tell()).into()
 }

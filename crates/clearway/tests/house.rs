@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// Crate, and the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 15] = [
+const MAY_USE: [(&str, &[&str]); 16] = [
     ("geometry", &[]),
     ("files", &[]),
     ("plan", &["geometry"]),
@@ -16,6 +16,7 @@ const MAY_USE: [(&str, &[&str]); 15] = [
     ("collision", &["geometry", "plan", "robot", "scene"]),
     ("motion", &["geometry", "files", "plan", "robot", "scene", "collision"]),
     ("retrieval", &["geometry", "plan", "robot", "scene", "sight", "collision", "motion"]),
+    ("symbolic", &["geometry", "files", "plan", "scene", "retrieval"]),
     ("verify", &["plan", "files"]),
     ("scenarios", &["geometry", "plan", "robot", "scene", "sight", "collision", "retrieval"]),
     ("export", &["plan"]),
@@ -23,15 +24,15 @@ const MAY_USE: [(&str, &[&str]); 15] = [
     (
         "experiments",
         &[
-            "geometry", "files", "plan", "robot", "scene", "collision", "motion", "retrieval", "verify", "scenarios", "export",
-            "viewer",
+            "geometry", "files", "plan", "robot", "scene", "collision", "motion", "retrieval", "symbolic", "verify", "scenarios",
+            "export", "viewer",
         ],
     ),
     (
         "clearway",
         &[
-            "geometry", "files", "plan", "robot", "scene", "sight", "collision", "motion", "retrieval", "verify", "scenarios",
-            "export", "viewer", "experiments",
+            "geometry", "files", "plan", "robot", "scene", "sight", "collision", "motion", "retrieval", "symbolic", "verify",
+            "scenarios", "export", "viewer", "experiments",
         ],
     ),
 ];

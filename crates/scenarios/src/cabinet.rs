@@ -11,7 +11,7 @@ pub const ROBOT: &str = "ur10_ag95";
 /// Metres. The cabinet's front, its floor's top, its inner height and its walls' thickness.
 pub(crate) const FRONT: f64 = 0.55;
 pub(crate) const FLOOR: f64 = 0.60;
-const HEIGHT: f64 = 0.50;
+pub(crate) const HEIGHT: f64 = 0.50;
 const WALL: f64 = 0.02;
 /// Draws of one object's place before the whole draw starts over, and such starts.
 const PLACES: usize = 2000;

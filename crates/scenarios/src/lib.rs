@@ -6,6 +6,7 @@
 
 mod cabinet;
 mod occluded;
+mod stacked;
 mod table;
 
 pub use cabinet::ROBOT;
@@ -14,12 +15,13 @@ use cabinet::Recipe;
 use clearway_collision::CollisionModel;
 use clearway_plan::event::Silent;
 use clearway_plan::plan_file::Status;
-use clearway_plan::{Budget, SceneFile};
+use clearway_plan::{Budget, ObjectId, ObjectSet, SceneFile};
 use clearway_retrieval::{Planner, Request, Settings, Unfit, mobile, order};
 use clearway_robot::Robot;
 use clearway_scene::Scene;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -109,6 +111,43 @@ pub fn table(wanted: &Wanted, contrast: bool) -> Result<Drawn, NoScene> {
         }
         Ok(least <= 1 || !fewer_suffice(scene, model, least)?)
     })
+}
+
+/// A shelf with two objects before the target and a third on both (section VI-E, Fig. 10), and others aside. Without
+/// `least_removals` only scenes are kept in which the one on top goes, one of the two, and the target; with it, those
+/// in which fewer do not suffice.
+pub fn stacked(wanted: &Wanted) -> Result<Drawn, NoScene> {
+    let least = wanted.least_removals.unwrap_or(3.min(wanted.objects));
+    if wanted.objects > 0 && least > wanted.objects {
+        return Err(NoScene::TooManyRemovals);
+    }
+    let figure = RefCell::new((None, Vec::new()));
+    let draw = |random: &mut Xoshiro256PlusPlus| {
+        let stacked::Figure { file, top, below } = stacked::draw(wanted.objects, random)?;
+        *figure.borrow_mut() = (top, below);
+        Ok(file)
+    };
+    let as_wanted = |scene: Scene, model: Arc<CollisionModel>| {
+        if wanted.least_removals.is_some() || wanted.objects < 4 {
+            return Ok(least <= 1 || !fewer_suffice(scene, model, least)?);
+        }
+        let target = scene.target;
+        let name = |o: ObjectId| scene.names[o.index()].clone();
+        let mut planner = Planner::with_model(scene.clone(), model, Settings::default()).map_err(unsound)?;
+        let (top, below) = &*figure.borrow();
+        // Nothing else helps than one of the two, and one of them does.
+        let ways = planner.feasibility().minimal_sets(target, ObjectSet::CAPACITY, &Budget::unlimited());
+        let of_the_two = |set: &ObjectSet| set.iter().any(|o| below.contains(&name(o)));
+        let ways = ways.unwrap_or_default();
+        let figure = |o: ObjectId| below.contains(&name(o)) || top.as_ref() == Some(&name(o));
+        let one_does = |set: &ObjectSet| set.iter().all(figure) && set.iter().filter(|o| below.contains(&name(*o))).count() == 1;
+        if !ways.iter().all(of_the_two) || !ways.iter().any(one_does) {
+            return Ok(false);
+        }
+        let removed = planner.plan(&Request { most_removals: Some(least), ..Request::new(1, guarded()) }, &mut Silent).plan.removed;
+        Ok(matches!(removed.as_slice(), [first, second, _] if Some(first) == top.as_ref() && below.contains(second)))
+    };
+    draw_until(wanted, ROBOT, "stacked", draw, as_wanted)
 }
 
 /// Whether there is a plan with at most so many removals, as far as the planner can tell.

@@ -12,6 +12,7 @@ pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
         Kind::Large => (100, 10),
         Kind::Table => (20, 1),
         Kind::Occluded => (12, 1),
+        Kind::Stacked => (8, 3),
     };
     if args.contrast && !matches!(args.kind, Kind::Table) {
         return Err(Failure::bad_input("--contrast is for `generate table`: other robots do not drive".to_owned()));
@@ -24,6 +25,7 @@ pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
         Kind::Large => scenarios::large(&wanted),
         Kind::Table => scenarios::table(&wanted, args.contrast),
         Kind::Occluded => scenarios::occluded(&wanted),
+        Kind::Stacked => scenarios::stacked(&Wanted { least_removals: args.least_removals, ..wanted }),
     };
     let drawn = drawn.map_err(|error| match error {
         NoScene::Unsound(_) => Failure::internal(error.to_string()),
@@ -43,6 +45,18 @@ pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
         tell(&format!("{} objects, target {}; {} rejected{why}", drawn.file.objects.len(), drawn.file.target, drawn.rejected));
         if !drawn.as_wanted {
             tell("warning: no draw was one in which driving helps; the last one is kept");
+        }
+        return Ok(Exit::Done);
+    }
+    if matches!(args.kind, Kind::Stacked) && args.least_removals.is_none() {
+        tell(&format!(
+            "{} objects, target {}; {} rejected because something else than the one on top, one below it and the target has to go",
+            drawn.file.objects.len(),
+            drawn.file.target,
+            drawn.rejected
+        ));
+        if !drawn.as_wanted {
+            tell("warning: no draw was like that; the last one is kept");
         }
         return Ok(Exit::Done);
     }

@@ -10,11 +10,13 @@ pub mod export;
 pub mod generate;
 pub mod motion;
 pub mod output;
+pub mod pddl;
 pub mod plan;
 pub mod robot;
 mod rows;
 pub mod schema;
 mod summary;
+mod symbolic;
 pub mod verify;
 pub mod view;
 

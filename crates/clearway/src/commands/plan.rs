@@ -3,9 +3,11 @@
 use super::directory_of;
 use super::output::{self, print, tell, write_page, write_plan};
 use super::summary::{self, Progress};
+use super::symbolic;
 use crate::cli::{First, LookKind, PlanArgs, SearchKind};
 use crate::exit::{Exit, Failure};
 use crate::interrupt;
+use clearway::pddl::Handling;
 use clearway::{Budget, CollisionModel, FileError, LookRule, FirstLimit, Outcome, Planner, Request, Search, Settings, Stop, Unfit};
 use clearway_files::{Limits, yaml};
 use std::path::{Path, PathBuf};
@@ -30,6 +32,10 @@ pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
     let directory = args.output.as_deref().map_or(PathBuf::from("."), directory_of);
     let mut progress = Progress::new(!args.json);
     if scene.file.camera.is_some() {
+        if args.symbolic.asked() {
+            let why = "a goal in PDDL is for scenes without a camera: what is hidden has no name";
+            return Err(Failure::bad_input(why.to_owned()));
+        }
         if args.improve.is_some() {
             let why = "--improve is for scenes without a camera: what was done to look cannot be taken back";
             return Err(Failure::bad_input(why.to_owned()));
@@ -38,6 +44,16 @@ pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
         let outcome = clearway::solve_observed(scene, model, settings(args), rule(args), &request, &directory, &mut progress);
         progress.clear();
         return finish(outcome.map_err(|u| unfit(&args.scene, &u))?, args.output.as_deref(), args.html.as_deref(), &directory, args.json);
+    }
+    if args.symbolic.asked() {
+        if args.improve.is_some() {
+            return Err(Failure::bad_input("--improve is for plans that have the target, without --goal and --symbolic".to_owned()));
+        }
+        let model = Arc::new(CollisionModel::new(robot));
+        let mut handling = Handling::new(scene, model, settings(args), args.seed).map_err(|u| unfit(&args.scene, &u))?;
+        let outcome = symbolic::solve(&args.symbolic, &mut handling, &request, &directory)?;
+        progress.clear();
+        return finish(outcome, args.output.as_deref(), args.html.as_deref(), &directory, args.json);
     }
     let mut planner = Planner::new(scene, robot, settings(args)).map_err(|u| unfit(&args.scene, &u))?;
     let outcome = clearway::solve(&mut planner, &request, &directory, &mut progress);

@@ -1,0 +1,370 @@
+//! A scene as a symbolic planner sees it, a goal for it, and the plan that comes of it.
+//!
+//! With sequences, the join of section V-C: the objects by which what the goal names can be had are all that
+//! may be moved, everything else stands fast. What is found impossible among those goes back to where the
+//! sequences come from. When none is left, all objects may be moved.
+
+use crate::arm::{Arm, Thing, type_named};
+use crate::engine::Engine;
+use crate::facts::{Fact, Facts, Value, Values};
+use crate::pddl::{Constant, Domain, Formula, Goal, PredicateId, Stream, Term};
+use crate::search::{Algorithm, Counts, NoPlan, Patience, Search};
+use crate::store::Store;
+use clearway_plan::plan_file::{PlanFile, Timing};
+use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
+use clearway_retrieval::candidates::Candidates;
+use clearway_retrieval::carry::Carried;
+use clearway_retrieval::handling::{Handling, Surface};
+use clearway_scene::Scene;
+use std::time::{Duration, Instant};
+
+/// What is asked for, and how it is planned.
+pub struct Asked<'a> {
+    pub domain: &'a Domain,
+    pub streams: &'a [Stream],
+    pub goal: &'a Goal,
+    /// It is only to have the target: what else goes is put on a place for good, as in other retrievals.
+    pub retrieval: bool,
+    pub algorithm: Algorithm,
+    pub engine: &'a dyn Engine,
+    /// Only objects of candidate removal sequences may be moved, as long as that leads anywhere.
+    pub sequences: bool,
+}
+
+/// What came of it; the plan is not yet verified.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    pub plan: PlanFile,
+    /// What stopped the search, if something did.
+    pub stopped: Option<Stop>,
+    pub counts: Counts,
+    /// How many objects could be moved in the end.
+    pub movable: usize,
+    /// How many sets of movable objects were tried.
+    pub tries: usize,
+}
+
+/// What a scene's things are called in PDDL, and their types.
+pub fn constants(domain: &Domain, handling: &Handling) -> Result<Vec<Constant>, String> {
+    let scene = handling.scene();
+    let (item, place, shelf) = (type_named(domain, "item")?, type_named(domain, "place")?, type_named(domain, "shelf")?);
+    let items = scene.names.iter().map(|name| Constant { name: name.clone(), of: item });
+    let places = scene.places.iter().map(|p| Constant { name: p.id.clone(), of: place });
+    let shelves = handling.shelves().into_iter().map(|i| Constant { name: scene.fixtures[i].id.clone(), of: shelf });
+    Ok(items.chain(places).chain(shelves).collect())
+}
+
+/// The goal of a retrieval: the target on any place.
+pub fn retrieval(scene: &Scene) -> String {
+    let on = |place: &str| format!("(On {} {place})", scene.names[scene.target.index()]);
+    match scene.places.as_slice() {
+        [place] => on(&place.id),
+        places => format!("(or {})", places.iter().map(|p| on(&p.id)).collect::<Vec<_>>().join(" ")),
+    }
+}
+
+/// Among the objects of a sequence a search gives up before it has asked every stream for all it has.
+const PATIENCE: Patience = Patience { rounds: 2, motions: 5 };
+
+/// Plans and carries out.
+pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget) -> Answer {
+    let began = Instant::now();
+    let mut run = Run { handling, asked, budget, counts: Counts::default(), moving: Duration::ZERO, tries: 0, movable: 0 };
+    let ended = run.run();
+    let Run { handling, counts, moving, tries, movable, .. } = run;
+    let total = began.elapsed();
+    let timing = Timing {
+        total: total.as_secs_f64(),
+        task: total.saturating_sub(moving).as_secs_f64(),
+        motion: moving.as_secs_f64(),
+    };
+    let goal = Some(asked.goal.text.as_str()).filter(|_| !asked.retrieval);
+    let (plan, stopped) = match ended {
+        Ok(carried) => (handling.plan_file(carried, goal, timing, seed), None),
+        Err(no_plan) => {
+            let stopped = match no_plan {
+                NoPlan::Stopped(stop) => Some(stop),
+                _ => None,
+            };
+            (handling.no_plan(no_plan == NoPlan::Impossible, told(&no_plan, &asked.goal.text), goal, timing, seed), stopped)
+        }
+    };
+    Answer { plan, stopped, counts, movable, tries }
+}
+
+fn told(no_plan: &NoPlan, goal: &str) -> String {
+    match no_plan {
+        NoPlan::Impossible => {
+            format!("The goal {goal} cannot be reached by the domain's actions, whatever grasps, poses and motions there may be.")
+        }
+        NoPlan::Exhausted => format!("Everything that the streams found was tried, and the goal {goal} was not reached; nothing is proved."),
+        NoPlan::Stopped(Stop::Cancelled) => format!("Interrupted before the goal {goal} was reached."),
+        NoPlan::Stopped(Stop::Iterations) => format!("The iterations allowed were spent before the goal {goal} was reached; nothing is proved."),
+        NoPlan::Stopped(Stop::Deadline) => format!("The time allowed was spent before the goal {goal} was reached; nothing is proved."),
+        NoPlan::TooMany(crate::ground::TooManyAlternatives { of }) => {
+            format!("There are too many alternatives in {of}: write it with fewer `or`, `exists` and conditional effects.")
+        }
+        NoPlan::Engine(why) => format!("The symbolic engine gave up on the goal {goal}: {why}."),
+    }
+}
+
+struct Run<'a> {
+    handling: &'a mut Handling,
+    asked: &'a Asked<'a>,
+    budget: &'a Budget,
+    counts: Counts,
+    moving: Duration,
+    tries: usize,
+    movable: usize,
+}
+
+/// What a try with some objects movable teaches when it fails.
+struct Learned {
+    no_plan: NoPlan,
+    /// By object: the sets of which one would have to go.
+    blamed: Vec<(ObjectId, Vec<ObjectSet>)>,
+}
+
+impl Run<'_> {
+    fn run(&mut self) -> Result<Vec<Carried>, NoPlan> {
+        let all = self.handling.scene().all();
+        if self.asked.sequences {
+            let wanted = self.named();
+            let arm = self.handling.arm();
+            let mut candidates: Vec<Candidates> = wanted.iter().map(|o| Candidates::new(arm, o)).collect();
+            let mut before = ObjectSet::EMPTY;
+            loop {
+                let mut sequences = Vec::new();
+                for candidates in &mut candidates {
+                    sequences.push(candidates.best(self.handling.arm(), self.budget)?);
+                }
+                let Some(sequences) = sequences.into_iter().collect::<Option<Vec<Vec<ObjectId>>>>() else { break };
+                let movable: ObjectSet = sequences.iter().flatten().copied().collect();
+                if movable == before || movable == all {
+                    break;
+                }
+                before = movable;
+                match self.with(movable, Some(PATIENCE))? {
+                    Ok(carried) => return Ok(carried),
+                    Err(learned) => {
+                        for (candidates, sequence) in candidates.iter_mut().zip(&sequences) {
+                            learned.tell(candidates, sequence);
+                        }
+                    }
+                }
+            }
+        }
+        self.with(all, None)?.map_err(|learned| learned.no_plan)
+    }
+
+    /// The objects that the goal names.
+    fn named(&self) -> ObjectSet {
+        let mut names = Vec::new();
+        constants_of(&self.asked.goal.formula, &mut names);
+        names.into_iter().filter_map(|name| self.handling.scene().object(name)).collect()
+    }
+
+    /// Plans with only these objects movable. `Err`: stopped.
+    fn with(&mut self, movable: ObjectSet, patience: Option<Patience>) -> Result<Result<Vec<Carried>, Learned>, NoPlan> {
+        self.tries += 1;
+        self.movable = movable.len();
+        let Asked { domain, streams, goal, algorithm, engine, .. } = *self.asked;
+        let fixed = self.handling.scene().all().difference(movable);
+        let mut arm = Arm::new(self.handling, fixed, self.budget);
+        let Begun { values, facts, state } = begin(domain, goal, &mut arm, movable, self.asked.retrieval).map_err(NoPlan::Engine)?;
+        let mut store = Store::new(domain, streams, values, facts, &mut arm);
+        let mut search = Search { store: &mut store, engine, state: &state, goal, budget: self.budget, patience, counts: self.counts };
+        (search.counts.rounds, search.counts.motions_failed) = (0, 0);
+        let found = search.run(algorithm);
+        self.counts = search.counts;
+        self.moving += arm.moving;
+        match found {
+            Ok(_) => {
+                let mut carried = arm.into_carried();
+                let began = Instant::now();
+                let home = self.handling.go_home(&mut carried, self.budget)?;
+                self.moving += began.elapsed();
+                match home {
+                    true => Ok(Ok(carried)),
+                    false => Ok(Err(Learned { no_plan: NoPlan::Exhausted, blamed: Vec::new() })),
+                }
+            }
+            Err(NoPlan::Stopped(stop)) => Err(NoPlan::Stopped(stop)),
+            Err(no_plan) => {
+                let blamed = movable.iter().filter_map(|o| Some((o, arm.blamed(o)?))).collect();
+                Ok(Err(Learned { no_plan, blamed }))
+            }
+        }
+    }
+}
+
+impl Learned {
+    /// What a sequence's failure means for the next one.
+    fn tell(&self, candidates: &mut Candidates, sequence: &[ObjectId]) {
+        let mut removed = ObjectSet::EMPTY;
+        for object in sequence {
+            if let Some((_, sets)) = self.blamed.iter().find(|(o, _)| o == object) {
+                return candidates.failed(*object, removed, sets);
+            }
+            removed.insert(*object);
+        }
+        if let Some((target, others)) = sequence.split_last() {
+            candidates.failed(*target, others.iter().copied().collect(), &[]);
+        }
+    }
+}
+
+/// Names of constants in a formula.
+fn constants_of<'f>(formula: &'f Formula, names: &mut Vec<&'f str>) {
+    let mut terms = |terms: &'f [Term]| {
+        names.extend(terms.iter().filter_map(|t| match t {
+            Term::Constant(name) => Some(name.as_str()),
+            Term::Variable(_) => None,
+        }));
+    };
+    match formula {
+        Formula::And(parts) | Formula::Or(parts) => parts.iter().for_each(|p| constants_of(p, names)),
+        Formula::Not(inner) | Formula::Forall(_, inner) | Formula::Exists(_, inner) => constants_of(inner, names),
+        Formula::Atom(atom) => terms(&atom.terms),
+        // That something is, or is not, this one asks nothing of it.
+        Formula::Equal(..) => {}
+    }
+}
+
+/// The pairs that a goal has one on the other: what `On` says of two objects.
+fn stacked<'f>(formula: &'f Formula, on: PredicateId, pairs: &mut Vec<(&'f str, &'f str)>) {
+    match formula {
+        Formula::And(parts) | Formula::Or(parts) => parts.iter().for_each(|p| stacked(p, on, pairs)),
+        Formula::Not(inner) | Formula::Forall(_, inner) | Formula::Exists(_, inner) => stacked(inner, on, pairs),
+        Formula::Atom(atom) if atom.predicate == on => {
+            if let [Term::Constant(above), Term::Constant(below)] = atom.terms.as_slice() {
+                pairs.push((above, below));
+            }
+        }
+        Formula::Atom(_) | Formula::Equal(..) => {}
+    }
+}
+
+/// A scene in facts.
+struct Begun {
+    values: Values,
+    /// Static.
+    facts: Facts,
+    state: Vec<Fact>,
+}
+
+/// The predicates with which a scene is told.
+struct Vocabulary {
+    home: PredicateId,
+    pose: PredicateId,
+    supported: PredicateId,
+    rests: PredicateId,
+    surface: PredicateId,
+    stackable: PredicateId,
+    at_pose: PredicateId,
+    on: PredicateId,
+    hand_empty: PredicateId,
+}
+
+impl Vocabulary {
+    fn of(domain: &Domain) -> Result<Self, String> {
+        let predicate = |name: &str, count: usize| {
+            let found = domain.predicate(name).filter(|p| domain.predicates[p.0].parameters.len() == count);
+            found.ok_or_else(|| format!("the domain has no predicate `{name}` of {count} arguments, with which the scene is told"))
+        };
+        Ok(Self {
+            home: predicate("Home", 2)?,
+            pose: predicate("Pose", 2)?,
+            supported: predicate("Supported", 3)?,
+            rests: predicate("Rests", 4)?,
+            surface: predicate("Surface", 1)?,
+            stackable: predicate("Stackable", 2)?,
+            at_pose: predicate("AtPose", 2)?,
+            on: predicate("On", 2)?,
+            hand_empty: predicate("HandEmpty", 0)?,
+        })
+    }
+}
+
+/// Whether a domain has what a scene is told with.
+pub fn check(domain: &Domain) -> Result<(), String> {
+    ["item", "place", "shelf", "pose"].into_iter().try_for_each(|name| type_named(domain, name).map(|_| ()))?;
+    Vocabulary::of(domain).map(|_| ())
+}
+
+fn begin(domain: &Domain, goal: &Goal, arm: &mut Arm, movable: ObjectSet, retrieval: bool) -> Result<Begun, String> {
+    let Vocabulary { home, pose, supported, rests, surface, stackable, at_pose, on, hand_empty } = Vocabulary::of(domain)?;
+    let of_pose = type_named(domain, "pose")?;
+    let mut values = Values::default();
+    for constant in &domain.constants {
+        values.add(&constant.name, constant.of);
+    }
+    let constants = constants(domain, arm.handling)?;
+    let scene = arm.handling.scene().clone();
+    let mut facts = Facts::default();
+    let mut state = vec![Fact { predicate: hand_empty, values: Vec::new() }];
+    let fact = |predicate: PredicateId, values: &[Value]| Fact { predicate, values: values.to_vec() };
+    let named = |values: &mut Values, name: &str| -> Value {
+        let of = constants.iter().find(|c| c.name == name).map_or(crate::pddl::Types::OBJECT, |c| c.of);
+        values.add(name, of)
+    };
+    let items: Vec<(ObjectId, Value, Value)> = movable
+        .iter()
+        .map(|object| {
+            let name = &scene.names[object.index()];
+            let item = named(&mut values, name);
+            let at = values.add(&format!("{name}-home"), of_pose);
+            arm.know(item, Thing::Item(object));
+            arm.know(at, Thing::Pose(object, scene.objects[object.index()].pose));
+            (object, item, at)
+        })
+        .collect();
+    let places: Vec<Value> = (0..scene.places.len())
+        .map(|index| {
+            let value = named(&mut values, &scene.places[index].id);
+            arm.know(value, Thing::Surface(Surface::Place(index)));
+            facts.insert(fact(surface, &[value]));
+            value
+        })
+        .collect();
+    let shelves: Vec<(usize, Value)> = arm
+        .handling
+        .shelves()
+        .into_iter()
+        .map(|index| {
+            let value = named(&mut values, &scene.fixtures[index].id);
+            arm.know(value, Thing::Surface(Surface::Fixture(index)));
+            if !retrieval {
+                facts.insert(fact(surface, &[value]));
+            }
+            (index, value)
+        })
+        .collect();
+    let poses: Vec<(ObjectId, clearway_geometry::Pose)> = items.iter().map(|(o, ..)| (*o, scene.objects[o.index()].pose)).collect();
+    for (object, item, at) in &items {
+        facts.insert(fact(home, &[*item, *at]));
+        facts.insert(fact(pose, &[*item, *at]));
+        state.push(fact(at_pose, &[*item, *at]));
+        let where_it_is = &scene.objects[object.index()].pose;
+        let under = arm.handling.rests(*object, where_it_is, &poses);
+        let mut supports: Vec<Value> = shelves.iter().filter(|(i, _)| under.fixtures.contains(i)).map(|(_, v)| *v).collect();
+        supports.extend(arm.handling.places_under(*object, where_it_is).into_iter().map(|i| places[i]));
+        for (other, below, at_below) in items.iter().filter(|(o, ..)| under.objects.contains(*o)) {
+            debug_assert_ne!(other, object);
+            supports.push(*below);
+            facts.insert(fact(rests, &[*item, *at, *below, *at_below]));
+        }
+        for support in supports {
+            facts.insert(fact(supported, &[*item, *at, support]));
+            state.push(fact(on, &[*item, support]));
+        }
+    }
+    let mut pairs = Vec::new();
+    stacked(&goal.formula, on, &mut pairs);
+    for (above, below) in pairs {
+        if let (Some(above), Some(below)) = (values.named(above), values.named(below)) {
+            facts.insert(fact(stackable, &[above, below]));
+        }
+    }
+    Ok(Begun { values, facts, state })
+}

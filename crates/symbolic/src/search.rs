@@ -1,0 +1,251 @@
+//! The two algorithms of PDDLStream (Garrett, Lozano-Pérez and Kaelbling, 2020): focused and incremental.
+
+use crate::engine::{Answer, Engine};
+use crate::facts::{Fact, Value};
+use crate::ground::{GroundAction, Task, TooManyAlternatives};
+use crate::hope::Hopes;
+use crate::pddl::Goal;
+use crate::store::{Hoping, Store};
+use clearway_plan::{Budget, Stop};
+use std::collections::{HashMap, HashSet};
+
+/// How streams and symbols take turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Algorithm {
+    /// A plan with values not found yet first; then the streams that it needs.
+    #[default]
+    Focused,
+    /// All streams first, once each, then once more; a plan with what they found.
+    Incremental,
+}
+
+/// A plan that was carried out.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// In order: which action of the domain, and its arguments.
+    pub actions: Vec<(usize, Vec<Value>)>,
+}
+
+/// Why there is no plan.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoPlan {
+    /// Proved: not even if every stream gave whatever is asked of it.
+    Impossible,
+    /// No stream has anything more to give.
+    Exhausted,
+    Stopped(Stop),
+    TooMany(TooManyAlternatives),
+    /// The engine gave up.
+    Engine(String),
+}
+
+impl From<Stop> for NoPlan {
+    fn from(stop: Stop) -> Self {
+        Self::Stopped(stop)
+    }
+}
+
+impl From<TooManyAlternatives> for NoPlan {
+    fn from(too_many: TooManyAlternatives) -> Self {
+        Self::TooMany(too_many)
+    }
+}
+
+/// How much was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Of the symbolic engine.
+    pub engine_calls: usize,
+    /// Of streams with outputs.
+    pub stream_calls: usize,
+    /// How often all streams were asked again.
+    pub rounds: usize,
+    pub motions_failed: usize,
+}
+
+/// One search.
+pub struct Search<'s, 'a> {
+    pub store: &'s mut Store<'a>,
+    pub engine: &'s dyn Engine,
+    /// What holds at first, of what changes.
+    pub state: &'s [Fact],
+    pub goal: &'s Goal,
+    pub budget: &'s Budget,
+    /// How often all streams may be asked again, and how many motions may fail, before it is given up.
+    pub patience: Option<Patience>,
+    pub counts: Counts,
+}
+
+/// When a search gives up that could go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Patience {
+    pub rounds: usize,
+    pub motions: usize,
+}
+
+/// A plan of an engine, and what it was made with.
+struct Sketch {
+    task: Task,
+    plan: Vec<usize>,
+    hopes: Hopes,
+}
+
+/// A stream with fluents that failed so often rests for good.
+const MOTIONS_TRIED: usize = 3;
+
+impl Search<'_, '_> {
+    pub fn run(&mut self, algorithm: Algorithm) -> Result<Solution, NoPlan> {
+        match algorithm {
+            Algorithm::Focused => self.focused(),
+            Algorithm::Incremental => self.incremental(),
+        }
+    }
+
+    fn focused(&mut self) -> Result<Solution, NoPlan> {
+        let mut first = true;
+        loop {
+            self.budget.iteration()?;
+            self.store.instantiate();
+            let Some(sketch) = self.sketch(true)? else {
+                if first {
+                    return Err(NoPlan::Impossible);
+                }
+                if self.gave_up() || !self.wake() {
+                    return Err(NoPlan::Exhausted);
+                }
+                continue;
+            };
+            if self.gave_up() {
+                return Err(NoPlan::Exhausted);
+            }
+            first = false;
+            let facts: Vec<Fact> = sketch.plan.iter().flat_map(|a| sketch.task.actions[*a].relies_on.clone()).collect();
+            let needed = sketch.hopes.needed(self.store, &facts);
+            let missing: Vec<usize> = needed.into_iter().filter(|h| !self.store.is_fluent(sketch.hopes.hopes[*h].stream)).collect();
+            if !missing.is_empty() {
+                self.find(&sketch.hopes, &missing)?;
+            } else if let Some(solution) = self.carry_out(&sketch)? {
+                return Ok(solution);
+            }
+        }
+    }
+
+    fn incremental(&mut self) -> Result<Solution, NoPlan> {
+        for level in 1.. {
+            // Every instance is asked so often, those made of what others found as well.
+            loop {
+                self.store.instantiate();
+                let due = |i: &usize| {
+                    let instance = &self.store.instances[*i];
+                    instance.asked < level && !instance.exhausted && !self.store.is_fluent(instance.stream)
+                };
+                let due: Vec<usize> = (0..self.store.instances.len()).filter(due).collect();
+                if due.is_empty() {
+                    break;
+                }
+                for instance in due {
+                    self.budget.check()?;
+                    self.counts.stream_calls += 1;
+                    self.store.ask(instance)?;
+                }
+            }
+            while let Some(sketch) = self.sketch(false)? {
+                self.budget.iteration()?;
+                if let Some(solution) = self.carry_out(&sketch)? {
+                    return Ok(solution);
+                }
+                if self.gave_up() {
+                    return Err(NoPlan::Exhausted);
+                }
+            }
+            if self.gave_up() || !self.wake() {
+                break;
+            }
+        }
+        Err(NoPlan::Exhausted)
+    }
+
+    /// A plan with what is known and hoped for; `None`: there is none.
+    fn sketch(&mut self, all: bool) -> Result<Option<Sketch>, NoPlan> {
+        let mut hopes = Hopes::of(self.store, all);
+        let values = self.store.values.clone();
+        let facts = std::mem::take(&mut hopes.facts);
+        let optimistic = std::mem::take(&mut hopes.optimistic);
+        let grounder = crate::ground::Grounder::new(self.store.domain);
+        let mut hoping = Hoping { store: &mut *self.store, facts, optimistic };
+        let task = grounder.task(&values, self.state, &mut hoping, self.goal)?;
+        self.counts.engine_calls += 1;
+        match self.engine.solve(&task, self.budget) {
+            Answer::Plan(plan) => Ok(Some(Sketch { task, plan, hopes })),
+            Answer::Unsolvable => Ok(None),
+            Answer::GaveUp(why) => {
+                self.budget.check()?;
+                Err(NoPlan::Engine(why))
+            }
+        }
+    }
+
+    /// Asks the streams behind some hopes, in order, as long as they give.
+    fn find(&mut self, hopes: &Hopes, missing: &[usize]) -> Result<(), Stop> {
+        let mut found: HashMap<Value, Value> = HashMap::new();
+        for hope in missing {
+            self.budget.check()?;
+            let hope = &hopes.hopes[*hope];
+            let inputs = hope.inputs.iter().map(|v| found.get(v).copied().unwrap_or(*v)).collect();
+            let instance = self.store.instance(hope.stream, inputs);
+            if self.store.instances[instance].rests || self.store.instances[instance].exhausted {
+                return Ok(());
+            }
+            self.counts.stream_calls += 1;
+            let Some(outputs) = self.store.ask(instance)? else { return Ok(()) };
+            found.extend(hope.outputs.iter().copied().zip(outputs));
+        }
+        Ok(())
+    }
+
+    /// Asks the streams with fluents that a plan needs, each in its state. The first that fails rests.
+    fn carry_out(&mut self, sketch: &Sketch) -> Result<Option<Solution>, Stop> {
+        let Sketch { task, plan, hopes } = sketch;
+        self.store.procedures.begin();
+        let mut state: HashSet<usize> = task.init.iter().copied().collect();
+        for index in plan {
+            let action: &GroundAction = &task.actions[*index];
+            for hope in action.relies_on.iter().filter_map(|fact| hopes.behind(fact)) {
+                self.budget.check()?;
+                let hope = &hopes.hopes[hope];
+                let stream = &self.store.streams[hope.stream];
+                let mut atoms: Vec<usize> = state.iter().copied().collect();
+                atoms.sort_unstable();
+                let now: Vec<Fact> =
+                    atoms.into_iter().map(|a| task.atoms[a].clone()).filter(|f| stream.fluents.contains(&f.predicate)).collect();
+                if !self.store.procedures.in_state(stream, &hope.inputs, &now)? {
+                    let instance = self.store.instance(hope.stream, hope.inputs.clone());
+                    self.counts.motions_failed += 1;
+                    let failed = &mut self.store.instances[instance];
+                    failed.asked += 1;
+                    failed.rests = true;
+                    failed.exhausted = failed.asked >= MOTIONS_TRIED;
+                    return Ok(None);
+                }
+            }
+            state = task.after(&state, action);
+        }
+        let actions = plan.iter().map(|a| (task.actions[*a].action, task.actions[*a].values.clone())).collect();
+        Ok(Some(Solution { actions }))
+    }
+
+    fn gave_up(&self) -> bool {
+        let Counts { rounds, motions_failed, .. } = self.counts;
+        self.patience.is_some_and(|most| rounds >= most.rounds || motions_failed >= most.motions)
+    }
+
+    /// Lets every stream that still has something be asked again; false when there is none.
+    fn wake(&mut self) -> bool {
+        self.counts.rounds += 1;
+        let mut any = false;
+        for instance in self.store.instances.iter_mut().filter(|i| i.rests && !i.exhausted) {
+            (instance.rests, any) = (false, true);
+        }
+        any
+    }
+}
