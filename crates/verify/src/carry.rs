@@ -8,6 +8,7 @@ use crate::placement::{self, Rest};
 use crate::report::{Place, Report, ViolationKind};
 use crate::rest::{self, Standing};
 use crate::shapes::{body_gap, extent};
+use crate::stability::Stability;
 use clearway_plan::plan_file::{Action, Attached, SegmentKind, Step};
 use clearway_plan::{Budget, PlanFile};
 use parry3d_f64::math::Pose;
@@ -54,7 +55,8 @@ pub(crate) fn stages(
     report: &mut Report,
 ) -> Result<Vec<Stage>, CannotJudge> {
     let mut standing: Standing = case.objects.iter().map(|o| Some(o.pose)).collect();
-    placement::check_start(case, &standing, budget, report)?;
+    let mut stability = Stability::new(case, &standing, budget)?;
+    placement::check_start(case, &standing, &stability, budget, report)?;
     let mut stages = Vec::new();
     for (index, (step, &object)) in plan.steps.iter().zip(objects).enumerate() {
         budget.check()?;
@@ -66,9 +68,10 @@ pub(crate) fn stages(
             from
         });
         let walk = Walk { case, names, step, object, from, to, of_step: &of_step };
-        walk.run(&mut standing, &mut stages, report);
+        walk.run(&mut standing, &mut stability, &mut stages, report);
         let is_last = !plan.steps[index + 1..].iter().any(|s| s.object == step.object);
         let rest = match (step.action, is_last) {
+            _ if plan.goal.is_some() => Rest::Anywhere,
             (Action::PickPlace, true) => Rest::InPlace,
             _ => Rest::InPlaceOrOn(
                 rest::carriers(case, &standing, object, &from).into_iter().map(str::to_owned).collect(),
@@ -76,6 +79,7 @@ pub(crate) fn stages(
         };
         let end = of_step.last().map_or(time, |t| t.start + t.segment.times.last().copied().unwrap_or(0.0));
         placement::check_placed(case, &standing, object, &to, &rest, Place::step(index, end), report);
+        stability.put(object, &to, Place::step(index, end), report);
     }
     Ok(stages)
 }
@@ -92,7 +96,13 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    fn run(&self, standing: &mut Standing, stages: &mut Vec<Stage>, report: &mut Report) {
+    fn run(
+        &self,
+        standing: &mut Standing,
+        stability: &mut Stability,
+        stages: &mut Vec<Stage>,
+        report: &mut Report,
+    ) {
         let kinds: Vec<SegmentKind> = self.of_step.iter().map(|t| t.segment.kind).collect();
         let release = kinds.iter().position(|k| *k == SegmentKind::Release).unwrap_or(kinds.len());
         let grasp = kinds[..release].iter().rposition(|k| *k == SegmentKind::Grasp);
@@ -123,6 +133,7 @@ impl Walk<'_> {
             match (&held, &now) {
                 (None, Some(taken)) => {
                     self.taken(taken, if gone { &self.to } else { &self.from }, track, standing, report);
+                    stability.take(self.object, track.at(0), report);
                 }
                 (Some(before), Some(after)) if !same_hold(before, after) => {
                     report.at(

@@ -1,6 +1,6 @@
 //! A second opinion on a finished plan. Judges a [`PlanFile`](clearway_plan::PlanFile) against its
-//! contract: structure, limits, what may go unchecked, what is held and where it is put down, and
-//! that nothing touches anything at any instant.
+//! contract: structure, limits, what may go unchecked, what is held and where it is put down, that
+//! what stands is stable, and that nothing touches anything at any instant.
 //!
 //! Shares no kinematics, collision or interpolation code with the planner: it has its own reading of
 //! URDFs and forward kinematics, exact shapes from `parry3d-f64`, and its own interpolation.
@@ -13,8 +13,8 @@
 //! # Ok::<(), clearway_verify::CannotJudge>(())
 //! ```
 //!
-//! It does not judge: proofs of lower bounds for other hands and arms than [`grasps`] knows, stability of what stands,
-//! the force of a grip, and the motion of an object that is pushed without being attached.
+//! It does not judge: proofs of lower bounds for other hands and arms than [`grasps`] knows, whether what stands
+//! slides or is shaken, the force of a grip, and the motion of an object that is pushed without being attached.
 //! Those are listed in [`Report::not_checked`] where a plan has them.
 
 mod accept;
@@ -41,6 +41,7 @@ mod rest;
 mod rows;
 mod shapes;
 mod sight;
+mod stability;
 mod steps;
 mod sweep;
 mod unchecked;

@@ -5,6 +5,7 @@ use crate::error::CannotJudge;
 use crate::report::{Place, Report, ViolationKind};
 use crate::rest::{self, REST, Standing};
 use crate::shapes::{Piece, extent};
+use crate::stability::Stability;
 use clearway_plan::Budget;
 use clearway_plan::scene_file::PlaceArea;
 use parry3d_f64::math::{Pose, Vector};
@@ -19,21 +20,24 @@ const ROUNDING: f64 = 1e-6;
 pub(crate) enum Rest {
     /// In a `place`: the last rest of what is removed.
     InPlace,
+    /// In a `place`, or on whatever carries it: what a goal of its own asks for.
+    Anywhere,
     /// In a `place`, or on one of these, which carried it before: relocated or pushed.
     InPlaceOrOn(Vec<String>),
 }
 
-/// At the start, everything rests and nothing overlaps.
+/// At the start, everything rests, none of it tips and nothing overlaps.
 pub(crate) fn check_start(
     case: &Case,
     standing: &Standing,
+    stability: &Stability,
     budget: &Budget,
     report: &mut Report,
 ) -> Result<(), CannotJudge> {
     for (i, object) in case.objects.iter().enumerate() {
         budget.check()?;
         let at = object.pose;
-        if rest::carriers(case, standing, i, &at).is_empty() {
+        if !stability.is_carried(i) {
             report
                 .plan(ViolationKind::Unsupported, format!("at the start nothing is under {}, within 1 mm", object.id));
         }
@@ -44,6 +48,7 @@ pub(crate) fn check_start(
             }
         }
     }
+    stability.check_start(report);
     Ok(())
 }
 
@@ -67,6 +72,7 @@ pub(crate) fn check_placed(
     }
     let carried_as_before = match rest {
         Rest::InPlace => false,
+        Rest::Anywhere => !rest::carriers(case, standing, object, at).is_empty(),
         Rest::InPlaceOrOn(before) => {
             rest::carriers(case, standing, object, at).iter().any(|c| before.iter().any(|b| b == c))
         }

@@ -52,6 +52,8 @@ pub enum ViolationKind {
     Tilted,
     /// An object that nothing carries.
     Unsupported,
+    /// An object that tips over: by itself, or with what is on it.
+    Unstable,
     /// `placed` outside every place.
     OffPlace,
     /// Things that stand still overlap.

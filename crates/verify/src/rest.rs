@@ -2,7 +2,8 @@
 //! and would be free of it if lifted.
 //!
 //! Found by moving the body 1.05 mm down (it must then overlap) and up (it must not): no reliance
-//! on contact normals. It does not weigh: a body that would tip over counts as resting.
+//! on contact normals. It does not weigh: a body that would tip over counts as resting
+//! ([`stability`](crate::stability) weighs).
 
 use crate::case::{Case, Thing};
 use crate::gap::Gap;
@@ -14,7 +15,7 @@ pub(crate) const REST: f64 = 1e-3;
 /// Overlapping by more is touching, metres.
 pub(crate) const TOUCH: f64 = 1e-4;
 /// 1 mm, and what finite digits may add.
-const SHIFT: f64 = REST + 5e-5;
+pub(crate) const SHIFT: f64 = REST + 5e-5;
 
 /// Where everything that stands still is. `None`: not standing (held, or being pushed).
 pub(crate) type Standing = Vec<Option<Pose>>;

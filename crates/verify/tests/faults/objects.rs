@@ -4,7 +4,7 @@ use super::robot::{Robot, isometry, placed};
 use super::{Fault, Random, either_sign, pick, segment_of};
 use clearway_plan::PlanFile;
 use clearway_plan::plan_file::Attached;
-use clearway_plan::scene_file::Body;
+use clearway_plan::scene_file::{Body, BoxKeys};
 use clearway_verify::ViolationKind as Kind;
 use k::{Isometry3, Translation3, UnitQuaternion, Vector3, nalgebra as na};
 use rand::RngExt;
@@ -27,6 +27,9 @@ pub const FAULTS: fn() -> Vec<Fault> = || {
         Fault { name: "object floats", expected: &[Kind::Unsupported], plant: floats },
         Fault { name: "objects overlap at the start", expected: &[Kind::Overlap], plant: overlap_at_start },
         Fault { name: "support taken from under an object", expected: &[Kind::Unsupported], plant: support_taken },
+        Fault { name: "object stands over an edge", expected: &[Kind::Unstable], plant: over_an_edge },
+        Fault { name: "one of two supports taken", expected: &[Kind::Unstable], plant: one_support_taken },
+        Fault { name: "put down over an edge", expected: &[Kind::Unstable], plant: put_over_an_edge },
     ]
 };
 
@@ -209,25 +212,55 @@ fn overlap_at_start(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Opti
 fn support_taken(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
     let step = random.random_range(0..plan.steps.len());
     let id = plan.steps[step].object.clone();
-    let under = body(plan, &id)?.clone();
-    let height = match (&under.r#box, &under.cylinder) {
+    let [x, y, top] = top_of(body(plan, &id)?)?;
+    let size = random.random_range(0.002..0.02);
+    plan.scene.objects.push(boxed("on_top", [size; 3], [x, y, top + 0.5 * size]));
+    Some(())
+}
+
+/// The middle of an upright object's top.
+fn top_of(object: &Body) -> Option<[f64; 3]> {
+    let height = match (&object.r#box, &object.cylinder) {
         (Some(b), _) => b.size[2],
         (_, Some(c)) => c.height,
         _ => return None,
     };
-    if under.rpy.is_some_and(|[r, p, _]| r != 0.0 || p != 0.0)
-        || under.quaternion.is_some_and(|[x, y, ..]| x != 0.0 || y != 0.0)
-    {
-        return None;
-    }
-    let [x, y, z] = under.position;
-    let size = random.random_range(0.002..0.02);
-    let on_top = Body {
-        id: "on_top".into(),
-        r#box: Some(clearway_plan::scene_file::BoxKeys { size: [size; 3] }),
-        position: [x, y, z + 0.5 * (height + size)],
-        ..Body::default()
-    };
-    plan.scene.objects.push(on_top);
+    let leans = object.rpy.is_some_and(|[r, p, _]| r != 0.0 || p != 0.0)
+        || object.quaternion.is_some_and(|[x, y, ..]| x != 0.0 || y != 0.0);
+    let [x, y, z] = object.position;
+    (!leans).then_some([x, y, z + 0.5 * height])
+}
+
+fn boxed(id: &str, size: [f64; 3], position: [f64; 3]) -> Body {
+    Body { id: id.into(), r#box: Some(BoxKeys { size }), position, ..Body::default() }
+}
+
+/// On a block far away; its centre is 2 mm beyond the edge, or farther.
+fn over_an_edge(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
+    let size = [(); 3].map(|()| random.random_range(0.01..0.2));
+    let away = random.random_range(2e-3..0.5 * size[0] - 2e-3);
+    plan.scene.fixtures.push(boxed("block", [1.0; 3], [9.5, 0.0, 0.5]));
+    plan.scene.objects.push(boxed("over", size, [10.0 + away, 0.0, 1.0 + 0.5 * size[2]]));
+    Some(())
+}
+
+/// A board lies on an object that is taken, and on a post, which stays.
+fn one_support_taken(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
+    let step = random.random_range(0..plan.steps.len());
+    let id = plan.steps[step].object.clone();
+    let [x, y, top] = top_of(body(plan, &id)?)?;
+    let (length, thick) = (random.random_range(0.1..0.3), random.random_range(0.002..0.02));
+    plan.scene.fixtures.push(boxed("post", [0.01, 0.01, 0.02], [x + length, y, top - 0.01]));
+    plan.scene.objects.push(boxed("board", [length, 0.01, thick], [x + 0.5 * length, y, top + 0.5 * thick]));
+    Some(())
+}
+
+/// The gantry's tray ends 2 mm, or more, before what is put down has its centre.
+fn put_over_an_edge(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
+    let step = random.random_range(0..plan.steps.len());
+    let [x, ..] = plan.steps[step].placed.position;
+    let tray = plan.scene.fixtures.iter_mut().find(|f| f.id == "tray")?;
+    let width = tray.r#box.as_ref()?.size[0];
+    tray.position[0] = x + random.random_range(2e-3..0.01) + 0.5 * width;
     Some(())
 }

@@ -4,7 +4,7 @@
 use clearway_plan::PlanFile;
 use clearway_plan::plan_file::{
     Action, Attached, GripperValue, JointLimits, LowerBound, PlacedPose, PlannedHand, PlannedRobot, Segment,
-    SegmentKind, Stats, Status, Step, Timing, Why,
+    SegmentKind, Status, Step,
 };
 use clearway_plan::scene_file::{
     Body, BoxKeys, CylinderKeys, Part, PlaceArea, PoseKeys, RobotPlacement, SceneFile, SphereKeys,
@@ -79,11 +79,9 @@ pub fn plan(random: &mut Xoshiro256PlusPlus) -> PlanFile {
         mover.take(&objects[o], [x, y], random.random_range(-PI..PI), i + 1 == taken.len());
     }
     let names: Vec<String> = taken.iter().map(|o| objects[*o].body.id.clone()).collect();
+    let scene = scene(&objects, names.last().cloned().unwrap_or_default());
     PlanFile {
-        format: clearway_plan::plan_file::FORMAT.to_owned(),
         status: Status::Solved,
-        seed: 0,
-        scene: scene(&objects, names.last().cloned().unwrap_or_default()),
         robot: robot(),
         removed: names,
         lower_bound: Some(LowerBound {
@@ -92,11 +90,7 @@ pub fn plan(random: &mut Xoshiro256PlusPlus) -> PlanFile {
             proof: serde_json::json!({"barriers": []}),
         }),
         steps: mover.steps,
-        known: Vec::new(),
-        trace: None,
-        timing: Timing::default(),
-        stats: Stats::default(),
-        why: Why::default(),
+        ..PlanFile::unsolved(scene)
     }
 }
 
