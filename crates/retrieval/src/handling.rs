@@ -153,6 +153,14 @@ impl Handling {
             Surface::Object(id, at) => top_of(&scene.names[id.index()], &scene.objects[id.index()].solid.aabb(at)),
         };
         let away = matches!(surface, Surface::Place(_));
+        // On another object it may stick out, as long as it does not fall.
+        let inside = match surface {
+            Surface::Object(..) => {
+                let (low, high) = scene.objects[object.index()].solid.aabb(pose);
+                Place { size: area.size + 2.0 * (high - low).truncate().max_element(), ..area.clone() }
+            }
+            _ => area.clone(),
+        };
         let mut spots = place::spots(std::slice::from_ref(&area), base);
         let stood = pose.translation.truncate();
         if !away {
@@ -167,7 +175,7 @@ impl Handling {
             .collect();
         let most = turns.iter().map(Vec::len).max().unwrap_or(0);
         let each = (0..most).flat_map(|turn| spots.iter().zip(&turns).filter_map(move |(spot, turns)| Some((spot, *turns.get(turn)?))));
-        each.filter_map(|(spot, yaw)| place::standing_at(solid, &pose, yaw, spot, &area)).collect()
+        each.filter_map(|(spot, yaw)| place::standing_at(solid, &pose, yaw, spot, &inside)).collect()
     }
 
     /// Whether an object may stand like this on a surface: it meets no fixture, and does not fall.
@@ -208,15 +216,11 @@ impl Handling {
         self.carrier(before, budget).relocate(&relocation, before, false)
     }
 
-    /// Adds the arm's way home to the last step; false when none was found.
-    pub fn go_home(&mut self, carried: &mut [Carried], budget: &Budget) -> Result<bool, Stop> {
-        let Some(last) = carried.last_mut() else { return Ok(true) };
+    /// Adds the arm's way home to a step; false when none was found.
+    pub fn go_home(&mut self, last: &mut Carried, budget: &Budget) -> Result<bool, Stop> {
         let before = last.after.clone();
-        match self.carrier(&before, budget).tuck(&before)? {
-            Ok(segments) => last.step.segments.extend(segments),
-            Err(_) => return Ok(false),
-        }
-        Ok(true)
+        let home = self.carrier(&before, budget).tuck(&before)?;
+        Ok(home.map(|segments| last.step.segments.extend(segments)).is_ok())
     }
 
     fn carrier<'a>(&'a mut self, before: &Situation, budget: &'a Budget) -> Carrier<'a, Xoshiro256PlusPlus> {

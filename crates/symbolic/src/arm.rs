@@ -30,6 +30,10 @@ pub const PROVIDED: [Provided; 7] = [
 /// Candidates looked at for one placement before one that something stands in the way of will do.
 const CANDIDATES: usize = 40;
 
+/// An object in the way of a placement is as bad as this placement being in the way of so many others, which may be
+/// put down before it.
+const HINDERED: usize = 100;
+
 /// What a value is.
 #[derive(Clone, Debug)]
 pub enum Thing {
@@ -191,7 +195,8 @@ impl<'b> Arm<'b> {
             looked += 1;
             let ways = self.handling.ways(object, &at, &grasp);
             let Some(way) = ways.into_iter().find(|w| !w.blocked_by.intersects(&self.fixed)) else { continue };
-            let conflicts = way.blocked_by.len() + overlapped + self.conflicts(object, &at, &grasp, &way);
+            let (hindered, hinders) = self.conflicts(object, &at, &grasp, &way);
+            let conflicts = HINDERED * (way.blocked_by.len() + overlapped + hindered) + hinders;
             placements.blocked.push((conflicts, at, way));
             if conflicts == 0 {
                 break placements.blocked.pop();
@@ -203,17 +208,19 @@ impl<'b> Arm<'b> {
         Ok(Some(Thing::Pose(object, at)))
     }
 
-    /// With how many of the poses given out to other objects this one does not go: things may be put down in any
-    /// order.
-    fn conflicts(&mut self, object: ObjectId, at: &Pose, grasp: &Grasp, way: &Way) -> usize {
+    /// How many of the poses given out to other objects are in the way of this one, and of how many of those it
+    /// would be in the way.
+    fn conflicts(&mut self, object: ObjectId, at: &Pose, grasp: &Grasp, way: &Way) -> (usize, usize) {
         let Self { handling, given, .. } = self;
-        let meets = |other: &&Given| {
-            other.object != object
-                && (handling.overlap((object, at), (other.object, &other.at))
-                    || handling.in_way((object, at, grasp, way), other.object, &other.at)
-                    || handling.in_way((other.object, &other.at, &other.grasp, &other.way), object, at))
-        };
-        given.iter().filter(meets).count()
+        let mut count = (0, 0);
+        for other in given.iter().filter(|other| other.object != object) {
+            if handling.overlap((object, at), (other.object, &other.at)) || handling.in_way((object, at, grasp, way), other.object, &other.at) {
+                count.0 += 1;
+            } else if handling.in_way((other.object, &other.at, &other.grasp, &other.way), object, at) {
+                count.1 += 1;
+            }
+        }
+        count
     }
 
     fn next_way(&mut self, inputs: &[Value]) -> Option<Thing> {
@@ -309,6 +316,16 @@ impl Procedures for Arm<'_> {
         self.carried.push((inputs.to_vec(), carried));
         self.used += 1;
         Ok(true)
+    }
+
+    /// The arm goes home.
+    fn end(&mut self) -> Result<bool, Stop> {
+        self.carried.truncate(self.used);
+        let Some((_, last)) = self.carried.last_mut() else { return Ok(true) };
+        let began = Instant::now();
+        let home = self.handling.go_home(last, self.budget);
+        self.moving += began.elapsed();
+        home
     }
 }
 

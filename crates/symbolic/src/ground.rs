@@ -123,6 +123,35 @@ impl<'a> Grounder<'a> {
         Ok(self.in_atoms(&pool, state, raw, goal))
     }
 
+    /// Whether some actions, one after the other, can be done from `state` on and reach the goal.
+    pub fn does(
+        &self,
+        actions: &[(usize, Vec<Value>)],
+        values: &Values,
+        state: &[Fact],
+        known: &mut dyn Known,
+        goal: &Goal,
+    ) -> Result<bool, TooManyAlternatives> {
+        let pool = known.facts().clone();
+        let mut asking = Asking { grounder: self, values, pool: &pool, known };
+        let mut state: HashSet<Fact> = state.iter().cloned().collect();
+        let met = |state: &HashSet<Fact>, literals: &[(Fact, bool)]| literals.iter().all(|(fact, holds)| state.contains(fact) == *holds);
+        for (index, parameters) in actions {
+            let action = &self.domain.actions[*index];
+            let mut slots: Slots = vec![None; action.slots];
+            action.parameters.iter().zip(parameters).for_each(|(p, value)| slots[p.slot] = Some(*value));
+            let instances = asking.instances(*index, action, slots, parameters)?;
+            let Some(instance) = instances.into_iter().find(|i| met(&state, &i.precondition)) else { return Ok(false) };
+            instance.deletes.iter().for_each(|fact| {
+                state.remove(fact);
+            });
+            state.extend(instance.adds);
+        }
+        let slots = vec![None; goal.slots];
+        let goal = asking.holds(&goal.formula, &slots, true).ok_or_else(|| TooManyAlternatives { of: "the goal".to_owned() })?;
+        Ok(goal.iter().any(|literals| met(&state, literals)))
+    }
+
     /// The bindings of an action's parameters for which the atoms that it needs could hold.
     fn bindings(&self, action: &Action, values: &Values, pool: &Facts, known: &dyn Known, found: &mut Vec<Slots>) {
         let mut atoms = Vec::new();

@@ -76,6 +76,11 @@ impl Hopes {
         self.hopes.push(Hope { stream, inputs, outputs });
     }
 
+    /// The facts that are only hoped for.
+    pub fn facts(&self) -> impl Iterator<Item = &Fact> {
+        self.facts.iter().filter(|fact| self.by_fact.contains_key(fact))
+    }
+
     /// The hope that a fact comes from; `None`: it is known.
     pub fn behind(&self, fact: &Fact) -> Option<usize> {
         self.by_fact.get(fact).copied()

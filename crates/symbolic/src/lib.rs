@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`pddl`] | domains, streams and goals, as read |
 //! | [`facts`], [`ground`] | what holds; a domain over it without variables |
+//! | [`relevance`] | which of its actions can matter |
 //! | [`engine`] | symbolic engines behind a trait |
 //! | [`store`], [`hope`], [`search`] | streams at work, and the focused and incremental algorithms |
 //! | [`arm`] | the streams of pick-and-place |
@@ -22,6 +23,7 @@ pub mod ground;
 pub mod hope;
 pub mod pddl;
 pub mod problem;
+pub mod relevance;
 pub mod search;
 pub mod store;
 

@@ -7,7 +7,7 @@
 use crate::arm::{Arm, Thing, type_named};
 use crate::engine::Engine;
 use crate::facts::{Fact, Facts, Value, Values};
-use crate::pddl::{Constant, Domain, Formula, Goal, PredicateId, Stream, Term};
+use crate::pddl::{Atom, Constant, Domain, Formula, Goal, PredicateId, Stream, Term};
 use crate::search::{Algorithm, Counts, NoPlan, Patience, Search};
 use crate::store::Store;
 use clearway_plan::plan_file::{PlanFile, Timing};
@@ -69,6 +69,9 @@ const PATIENCE: Patience = Patience { rounds: 2, motions: 5 };
 /// Plans and carries out.
 pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget) -> Answer {
     let began = Instant::now();
+    // What is held was not put down: steps end with an empty hand.
+    let goal = with_empty_hand(asked.goal, asked.domain);
+    let asked = &Asked { goal: &goal, ..*asked };
     let mut run = Run { handling, asked, budget, counts: Counts::default(), moving: Duration::ZERO, tries: 0, movable: 0 };
     let ended = run.run();
     let Run { handling, counts, moving, tries, movable, .. } = run;
@@ -80,6 +83,9 @@ pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget)
     };
     let goal = Some(asked.goal.text.as_str()).filter(|_| !asked.retrieval);
     let (plan, stopped) = match ended {
+        Ok(carried) if carried.is_empty() => {
+            (handling.no_plan(false, format!("The goal {} holds as things stand: there is nothing to do.", asked.goal.text), goal, timing, seed), None)
+        }
         Ok(carried) => (handling.plan_file(carried, goal, timing, seed), None),
         Err(no_plan) => {
             let stopped = match no_plan {
@@ -97,6 +103,9 @@ fn told(no_plan: &NoPlan, goal: &str) -> String {
         NoPlan::Impossible => {
             format!("The goal {goal} cannot be reached by the domain's actions, whatever grasps, poses and motions there may be.")
         }
+        NoPlan::Hopeless => format!(
+            "No plan for the goal {goal} was found even if every grasp, pose and motion asked for could be had: does it contradict itself? Nothing is proved."
+        ),
         NoPlan::Exhausted => format!("Everything that the streams found was tried, and the goal {goal} was not reached; nothing is proved."),
         NoPlan::Stopped(Stop::Cancelled) => format!("Interrupted before the goal {goal} was reached."),
         NoPlan::Stopped(Stop::Iterations) => format!("The iterations allowed were spent before the goal {goal} was reached; nothing is proved."),
@@ -173,22 +182,14 @@ impl Run<'_> {
         let mut arm = Arm::new(self.handling, fixed, self.budget);
         let Begun { values, facts, state } = begin(domain, goal, &mut arm, movable, self.asked.retrieval).map_err(NoPlan::Engine)?;
         let mut store = Store::new(domain, streams, values, facts, &mut arm);
-        let mut search = Search { store: &mut store, engine, state: &state, goal, budget: self.budget, patience, counts: self.counts };
-        (search.counts.rounds, search.counts.motions_failed) = (0, 0);
+        let mut search = Search::new(&mut store, engine, &state, goal, self.budget);
+        search.patience = patience;
+        search.counts = Counts { rounds: 0, motions_failed: 0, ..self.counts };
         let found = search.run(algorithm);
         self.counts = search.counts;
         self.moving += arm.moving;
         match found {
-            Ok(_) => {
-                let mut carried = arm.into_carried();
-                let began = Instant::now();
-                let home = self.handling.go_home(&mut carried, self.budget)?;
-                self.moving += began.elapsed();
-                match home {
-                    true => Ok(Ok(carried)),
-                    false => Ok(Err(Learned { no_plan: NoPlan::Exhausted, blamed: Vec::new() })),
-                }
-            }
+            Ok(_) => Ok(Ok(arm.into_carried())),
             Err(NoPlan::Stopped(stop)) => Err(NoPlan::Stopped(stop)),
             Err(no_plan) => {
                 let blamed = movable.iter().filter_map(|o| Some((o, arm.blamed(o)?))).collect();
@@ -212,6 +213,13 @@ impl Learned {
             candidates.failed(*target, others.iter().copied().collect(), &[]);
         }
     }
+}
+
+/// A goal, and nothing in the hand.
+fn with_empty_hand(goal: &Goal, domain: &Domain) -> Goal {
+    let empty = domain.predicate("HandEmpty").map(|predicate| Formula::Atom(Atom { predicate, terms: Vec::new() }));
+    let formula = Formula::And([goal.formula.clone()].into_iter().chain(empty).collect());
+    Goal { formula, ..goal.clone() }
 }
 
 /// Names of constants in a formula.

@@ -2,9 +2,10 @@
 
 use crate::engine::{Answer, Engine};
 use crate::facts::{Fact, Value};
-use crate::ground::{GroundAction, Task, TooManyAlternatives};
-use crate::hope::Hopes;
+use crate::ground::{GroundAction, Grounder, Task, TooManyAlternatives};
+use crate::hope::{Hope, Hopes};
 use crate::pddl::Goal;
+use crate::relevance;
 use crate::store::{Hoping, Store};
 use clearway_plan::{Budget, Stop};
 use std::collections::{HashMap, HashSet};
@@ -31,6 +32,8 @@ pub struct Solution {
 pub enum NoPlan {
     /// Proved: not even if every stream gave whatever is asked of it.
     Impossible,
+    /// No plan was found even if every stream gave whatever is asked of it, but not all was looked at.
+    Hopeless,
     /// No stream has anything more to give.
     Exhausted,
     Stopped(Stop),
@@ -74,6 +77,10 @@ pub struct Search<'s, 'a> {
     /// How often all streams may be asked again, and how many motions may fail, before it is given up.
     pub patience: Option<Patience>,
     pub counts: Counts,
+    /// Nothing was found yet, by streams or by the engine.
+    first_try: bool,
+    /// The engine gave up on all actions.
+    unproved: bool,
 }
 
 /// When a search gives up that could go on.
@@ -93,7 +100,15 @@ struct Sketch {
 /// A stream with fluents that failed so often rests for good.
 const MOTIONS_TRIED: usize = 3;
 
-impl Search<'_, '_> {
+/// States that the engine looks at before it gives up, and with actions that do not seem to matter.
+const STATES: usize = 30_000;
+const THOROUGH_STATES: usize = 2_000;
+
+impl<'s, 'a> Search<'s, 'a> {
+    pub fn new(store: &'s mut Store<'a>, engine: &'s dyn Engine, state: &'s [Fact], goal: &'s Goal, budget: &'s Budget) -> Self {
+        Self { store, engine, state, goal, budget, patience: None, counts: Counts::default(), first_try: true, unproved: false }
+    }
+
     pub fn run(&mut self, algorithm: Algorithm) -> Result<Solution, NoPlan> {
         match algorithm {
             Algorithm::Focused => self.focused(),
@@ -102,28 +117,34 @@ impl Search<'_, '_> {
     }
 
     fn focused(&mut self) -> Result<Solution, NoPlan> {
-        let mut first = true;
+        // At first, and when nothing else is left, all actions count.
+        let mut thorough = true;
         loop {
             self.budget.iteration()?;
             self.store.instantiate();
-            let Some(sketch) = self.sketch(true)? else {
-                if first {
-                    return Err(NoPlan::Impossible);
+            let Some(sketch) = self.sketch(true, thorough)? else {
+                if self.first_try {
+                    return Err(if self.unproved { NoPlan::Hopeless } else { NoPlan::Impossible });
                 }
-                if self.gave_up() || !self.wake() {
+                if !self.gave_up() && self.wake() {
+                    continue;
+                }
+                if thorough || self.gave_up() {
                     return Err(NoPlan::Exhausted);
                 }
+                thorough = true;
                 continue;
             };
             if self.gave_up() {
                 return Err(NoPlan::Exhausted);
             }
-            first = false;
+            (thorough, self.first_try) = (false, false);
+            if std::env::var("DBG").is_ok() { eprintln!("--- plan ({} ground actions, {} hopes):", sketch.task.actions.len(), sketch.hopes.hopes.len()); for a in &sketch.plan { let a = &sketch.task.actions[*a]; eprintln!("  {} {}", self.store.domain.actions[a.action].name, a.values.iter().map(|v| self.store.values.name(*v)).collect::<Vec<_>>().join(" ")); } }
             let facts: Vec<Fact> = sketch.plan.iter().flat_map(|a| sketch.task.actions[*a].relies_on.clone()).collect();
             let needed = sketch.hopes.needed(self.store, &facts);
             let missing: Vec<usize> = needed.into_iter().filter(|h| !self.store.is_fluent(sketch.hopes.hopes[*h].stream)).collect();
             if !missing.is_empty() {
-                self.find(&sketch.hopes, &missing)?;
+                self.find(&sketch, &missing)?;
             } else if let Some(solution) = self.carry_out(&sketch)? {
                 return Ok(solution);
             }
@@ -149,7 +170,7 @@ impl Search<'_, '_> {
                     self.store.ask(instance)?;
                 }
             }
-            while let Some(sketch) = self.sketch(false)? {
+            while let Some(sketch) = self.sketch(false, true)? {
                 self.budget.iteration()?;
                 if let Some(solution) = self.carry_out(&sketch)? {
                     return Ok(solution);
@@ -165,18 +186,36 @@ impl Search<'_, '_> {
         Err(NoPlan::Exhausted)
     }
 
-    /// A plan with what is known and hoped for; `None`: there is none.
-    fn sketch(&mut self, all: bool) -> Result<Option<Sketch>, NoPlan> {
-        let mut hopes = Hopes::of(self.store, all);
+    /// A plan with what is known and, with `all`, what is hoped for; `None`: there is none. `thorough`: among all
+    /// actions, not only those that seem to matter.
+    fn sketch(&mut self, all: bool, thorough: bool) -> Result<Option<Sketch>, NoPlan> {
+        let hopes = Hopes::of(self.store, all);
         let values = self.store.values.clone();
-        let facts = std::mem::take(&mut hopes.facts);
-        let optimistic = std::mem::take(&mut hopes.optimistic);
-        let grounder = crate::ground::Grounder::new(self.store.domain);
+        let (facts, optimistic) = (hopes.facts.clone(), hopes.optimistic.clone());
+        let grounder = Grounder::new(self.store.domain);
         let mut hoping = Hoping { store: &mut *self.store, facts, optimistic };
         let task = grounder.task(&values, self.state, &mut hoping, self.goal)?;
+        let (few, kept) = relevance::with_only(&task, &relevance::relevant(&task));
+        let mut answer = self.solve(&few, STATES)?;
+        if let Some(plan) = &mut answer {
+            plan.iter_mut().for_each(|a| *a = kept[*a]);
+        } else if thorough && kept.len() < task.actions.len() {
+            answer = match self.solve(&task, THOROUGH_STATES) {
+                Err(NoPlan::Engine(_)) => {
+                    self.unproved = true;
+                    None
+                }
+                answer => answer?,
+            };
+        }
+        Ok(answer.map(|plan| Sketch { task, plan, hopes }))
+    }
+
+    /// A plan; `None`: there is none.
+    fn solve(&mut self, task: &Task, states: usize) -> Result<Option<Vec<usize>>, NoPlan> {
         self.counts.engine_calls += 1;
-        match self.engine.solve(&task, self.budget) {
-            Answer::Plan(plan) => Ok(Some(Sketch { task, plan, hopes })),
+        match self.engine.solve(task, states, self.budget) {
+            Answer::Plan(plan) => Ok(Some(plan)),
             Answer::Unsolvable => Ok(None),
             Answer::GaveUp(why) => {
                 self.budget.check()?;
@@ -185,12 +224,13 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Asks the streams behind some hopes, in order, as long as they give.
-    fn find(&mut self, hopes: &Hopes, missing: &[usize]) -> Result<(), Stop> {
+    /// Asks the streams behind some hopes, in order, as long as they give and the plan still does with what they
+    /// gave.
+    fn find(&mut self, sketch: &Sketch, missing: &[usize]) -> Result<(), NoPlan> {
         let mut found: HashMap<Value, Value> = HashMap::new();
         for hope in missing {
             self.budget.check()?;
-            let hope = &hopes.hopes[*hope];
+            let hope = &sketch.hopes.hopes[*hope];
             let inputs = hope.inputs.iter().map(|v| found.get(v).copied().unwrap_or(*v)).collect();
             let instance = self.store.instance(hope.stream, inputs);
             if self.store.instances[instance].rests || self.store.instances[instance].exhausted {
@@ -199,15 +239,38 @@ impl Search<'_, '_> {
             self.counts.stream_calls += 1;
             let Some(outputs) = self.store.ask(instance)? else { return Ok(()) };
             found.extend(hope.outputs.iter().copied().zip(outputs));
+            if !self.still_does(sketch, &found)? {
+                return Ok(());
+            }
         }
         Ok(())
     }
 
-    /// Asks the streams with fluents that a plan needs, each in its state. The first that fails rests.
+    /// Whether a plan still reaches the goal with what was found in place of what was hoped for.
+    fn still_does(&mut self, sketch: &Sketch, found: &HashMap<Value, Value>) -> Result<bool, NoPlan> {
+        let Sketch { task, plan, hopes } = sketch;
+        let values = self.store.values.clone();
+        let is = |value: &Value| found.get(value).copied().unwrap_or(*value);
+        let replaced = |fact: &Fact| Fact { predicate: fact.predicate, values: fact.values.iter().map(is).collect() };
+        let mut facts = self.store.facts.clone();
+        hopes.facts().for_each(|fact| {
+            facts.insert(replaced(fact));
+        });
+        let optimistic = hopes.optimistic.iter().filter(|v| !found.contains_key(v)).copied().collect();
+        let actions: Vec<(usize, Vec<Value>)> =
+            plan.iter().map(|a| (task.actions[*a].action, task.actions[*a].values.iter().map(is).collect())).collect();
+        let grounder = Grounder::new(self.store.domain);
+        let mut hoping = Hoping { store: &mut *self.store, facts, optimistic };
+        Ok(grounder.does(&actions, &values, self.state, &mut hoping, self.goal)?)
+    }
+
+    /// Asks the streams with fluents that a plan needs, each in its state. The first that fails rests; so does the
+    /// last if the plan cannot end with it.
     fn carry_out(&mut self, sketch: &Sketch) -> Result<Option<Solution>, Stop> {
         let Sketch { task, plan, hopes } = sketch;
         self.store.procedures.begin();
         let mut state: HashSet<usize> = task.init.iter().copied().collect();
+        let mut last = None;
         for index in plan {
             let action: &GroundAction = &task.actions[*index];
             for hope in action.relies_on.iter().filter_map(|fact| hopes.behind(fact)) {
@@ -219,19 +282,30 @@ impl Search<'_, '_> {
                 let now: Vec<Fact> =
                     atoms.into_iter().map(|a| task.atoms[a].clone()).filter(|f| stream.fluents.contains(&f.predicate)).collect();
                 if !self.store.procedures.in_state(stream, &hope.inputs, &now)? {
-                    let instance = self.store.instance(hope.stream, hope.inputs.clone());
-                    self.counts.motions_failed += 1;
-                    let failed = &mut self.store.instances[instance];
-                    failed.asked += 1;
-                    failed.rests = true;
-                    failed.exhausted = failed.asked >= MOTIONS_TRIED;
+                    self.motion_failed(hope);
                     return Ok(None);
                 }
+                last = Some(hope);
             }
             state = task.after(&state, action);
         }
+        if !self.store.procedures.end()? {
+            if let Some(hope) = last {
+                self.motion_failed(hope);
+            }
+            return Ok(None);
+        }
         let actions = plan.iter().map(|a| (task.actions[*a].action, task.actions[*a].values.clone())).collect();
         Ok(Some(Solution { actions }))
+    }
+
+    fn motion_failed(&mut self, hope: &Hope) {
+        self.counts.motions_failed += 1;
+        let instance = self.store.instance(hope.stream, hope.inputs.clone());
+        let failed = &mut self.store.instances[instance];
+        failed.asked += 1;
+        failed.rests = true;
+        failed.exhausted = failed.asked >= MOTIONS_TRIED;
     }
 
     fn gave_up(&self) -> bool {

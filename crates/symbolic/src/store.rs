@@ -20,6 +20,8 @@ pub trait Procedures {
     /// Of a stream with fluents: whether it succeeds where these facts of them hold. Asked in the order of a
     /// plan, about one step after the other.
     fn in_state(&mut self, stream: &Stream, inputs: &[Value], state: &[Fact]) -> Result<bool, Stop>;
+    /// The plan is carried out; false when it cannot be left at that.
+    fn end(&mut self) -> Result<bool, Stop>;
 }
 
 /// A stream with inputs that are all real.

@@ -22,7 +22,7 @@ impl Engine for FastDownward {
         "fast-downward"
     }
 
-    fn solve(&self, task: &Task, _: &Budget) -> Answer {
+    fn solve(&self, task: &Task, _: usize, _: &Budget) -> Answer {
         if let Some(answer) = at_once(task) {
             return answer;
         }

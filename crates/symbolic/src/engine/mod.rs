@@ -24,7 +24,8 @@ pub enum Answer {
 /// Plans with atoms.
 pub trait Engine {
     fn name(&self) -> &'static str;
-    fn solve(&self, task: &Task, budget: &Budget) -> Answer;
+    /// `states`: how many are looked at before it gives up, as far as the engine can be told.
+    fn solve(&self, task: &Task, states: usize, budget: &Budget) -> Answer;
 }
 
 /// What needs no engine: a goal that holds at first, or one that never can.
