@@ -8,7 +8,7 @@ use crate::carry::relocate::Relocation;
 use crate::carry::{Carried, Carrier, Obstruction, Situation};
 use crate::feasibility::{Feasibility, Unfit};
 use crate::grasps::Grasp;
-use crate::place;
+use crate::place::{self, Spot};
 use crate::planner::Settings;
 use crate::trace;
 use crate::ways::{self, Explorer, Stage, Way};
@@ -161,10 +161,16 @@ impl Handling {
             }
             _ => area.clone(),
         };
-        let mut spots = place::spots(std::slice::from_ref(&area), base);
-        let stood = pose.translation.truncate();
+        let mut spots = match surface {
+            Surface::Object(..) => amid(&area),
+            _ => place::spots(std::slice::from_ref(&area), base),
+        };
+        let near = match surface {
+            Surface::Object(..) => area.centre.truncate(),
+            _ => pose.translation.truncate(),
+        };
         if !away {
-            spots.sort_by(|a, b| a.at.truncate().distance(stood).total_cmp(&b.at.truncate().distance(stood)));
+            spots.sort_by(|a, b| a.at.truncate().distance(near).total_cmp(&b.at.truncate().distance(near)));
         }
         let forward = (pose * grasp.object_from_tool).rotation.z_axis.truncate();
         let solid = &world.solids[object.index()];
@@ -266,6 +272,13 @@ impl Handling {
         }
         shelves
     }
+}
+
+/// The middle of an area, and spots round it halfway to its edges.
+fn amid(area: &Place) -> Vec<Spot> {
+    let parts = [0.0, 0.25, -0.25];
+    let offsets = parts.iter().flat_map(|x| parts.iter().map(|y| Vec2::new(*x, *y)));
+    offsets.map(|offset| Spot { at: area.centre + (area.size * offset).extend(0.0), place: 0 }).collect()
 }
 
 fn top_of(id: &str, (low, high): &(clearway_geometry::Vec3, clearway_geometry::Vec3)) -> Place {

@@ -155,6 +155,8 @@ impl Run<'_> {
                 before = movable;
                 match self.with(movable, Some(PATIENCE))? {
                     Ok(carried) => return Ok(carried),
+                    // More objects to move will not mend a goal that cannot be.
+                    Err(Learned { no_plan: NoPlan::Impossible | NoPlan::Hopeless, .. }) => break,
                     Err(learned) => {
                         for (candidates, sequence) in candidates.iter_mut().zip(&sequences) {
                             learned.tell(candidates, sequence);

@@ -126,7 +126,7 @@ impl<'s, 'a> Search<'s, 'a> {
                 if self.first_try {
                     return Err(if self.unproved { NoPlan::Hopeless } else { NoPlan::Impossible });
                 }
-                if !self.gave_up() && self.wake() {
+                if !self.gave_up() && self.ask_again()? {
                     continue;
                 }
                 if thorough || self.gave_up() {
@@ -139,7 +139,6 @@ impl<'s, 'a> Search<'s, 'a> {
                 return Err(NoPlan::Exhausted);
             }
             (thorough, self.first_try) = (false, false);
-            if std::env::var("DBG").is_ok() { eprintln!("--- plan ({} ground actions, {} hopes):", sketch.task.actions.len(), sketch.hopes.hopes.len()); for a in &sketch.plan { let a = &sketch.task.actions[*a]; eprintln!("  {} {}", self.store.domain.actions[a.action].name, a.values.iter().map(|v| self.store.values.name(*v)).collect::<Vec<_>>().join(" ")); } }
             let facts: Vec<Fact> = sketch.plan.iter().flat_map(|a| sketch.task.actions[*a].relies_on.clone()).collect();
             let needed = sketch.hopes.needed(self.store, &facts);
             let missing: Vec<usize> = needed.into_iter().filter(|h| !self.store.is_fluent(sketch.hopes.hopes[*h].stream)).collect();
@@ -179,7 +178,9 @@ impl<'s, 'a> Search<'s, 'a> {
                     return Err(NoPlan::Exhausted);
                 }
             }
-            if self.gave_up() || !self.wake() {
+            let more = self.store.instances.iter().any(|i| !i.exhausted);
+            self.retry_motions();
+            if self.gave_up() || !more {
                 break;
             }
         }
@@ -313,12 +314,29 @@ impl<'s, 'a> Search<'s, 'a> {
         self.patience.is_some_and(|most| rounds >= most.rounds || motions_failed >= most.motions)
     }
 
-    /// Lets every stream that still has something be asked again; false when there is none.
-    fn wake(&mut self) -> bool {
+    /// Every stream that was asked is asked once more, and motions that failed may be tried again; false when
+    /// nothing came of it. Streams are quick beside the engine, which has fewer hopes to weigh this way.
+    fn ask_again(&mut self) -> Result<bool, Stop> {
+        let mut any = self.retry_motions();
+        for index in 0..self.store.instances.len() {
+            let instance = &self.store.instances[index];
+            if instance.rests && !instance.exhausted && !self.store.is_fluent(instance.stream) {
+                self.budget.check()?;
+                self.counts.stream_calls += 1;
+                any |= self.store.ask(index)?.is_some();
+            }
+        }
+        Ok(any)
+    }
+
+    /// Motions that failed may be tried again; false when there are none.
+    fn retry_motions(&mut self) -> bool {
         self.counts.rounds += 1;
         let mut any = false;
         for instance in self.store.instances.iter_mut().filter(|i| i.rests && !i.exhausted) {
-            (instance.rests, any) = (false, true);
+            if !self.store.streams[instance.stream].fluents.is_empty() {
+                (instance.rests, any) = (false, true);
+            }
         }
         any
     }
