@@ -4,20 +4,21 @@ use super::text::{self, Text};
 use super::{Answer, Engine, at_once};
 use crate::ground::Task;
 use clearway_plan::{Budget, Stop};
-use ferroplan::{Mode, Options};
+use ferroplan::ground::{self, Outcome};
+use ferroplan::{Mode, Options, optimal, parser};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Ferroplan {
-    /// States looked at before the fewest actions are given up for some.
-    pub optimal_states: usize,
+    /// Nodes of A\* before the fewest actions are given up for some.
+    pub optimal_nodes: usize,
 }
 
 impl Default for Ferroplan {
     fn default() -> Self {
-        Self { optimal_states: 800 }
+        Self { optimal_nodes: 4_000 }
     }
 }
 
@@ -54,24 +55,49 @@ impl Engine for Ferroplan {
 
 impl Ferroplan {
     fn search(&self, task: &Task, states: usize, budget: &Budget, go_on: &Arc<AtomicBool>) -> Answer {
-        let Text { domain, problem } = Text::of(task);
-        let wall_ms = budget.remaining().map(|left| left.as_millis() as u64 + 1);
-        let mut said = String::new();
-        for (mode, states) in [(Mode::Optimal, self.optimal_states.min(states)), (Mode::Ff, states)] {
-            let options = Options { mode, threads: 1, max_evaluated: Some(states), wall_ms, should_continue: Some(go_on.clone()), ..Options::default() };
-            let solution = match ferroplan::solve(&domain, &problem, &options) {
-                Ok(solution) => solution,
-                Err(error) => return Answer::GaveUp(format!("{error:?}")),
-            };
-            if let Some(plan) = solution.plan.filter(|_| solution.solved) {
-                let actions: Option<Vec<usize>> = plan.steps.iter().map(|s| text::action(&s.action)).collect();
-                return actions.map_or_else(|| Answer::GaveUp("a plan in other words than asked".to_owned()), Answer::Plan);
-            }
-            said = solution.notes.join("; ");
-            if said.contains("PROVEN UNSOLVABLE") || said.contains("unsolvable at grounding") {
-                return Answer::Unsolvable;
-            }
+        let text = Text::of(task);
+        match fewest(&text, self.optimal_nodes.min(states)) {
+            Ok(Answer::GaveUp(_)) => {}
+            Ok(answer) => return answer,
+            Err(error) => return Answer::GaveUp(error),
         }
-        Answer::GaveUp(said)
+        let wall_ms = budget.remaining().map(|left| left.as_millis() as u64 + 1);
+        let should_continue = Some(go_on.clone());
+        let options = Options { mode: Mode::Ff, threads: 1, max_evaluated: Some(states), wall_ms, should_continue, ..Options::default() };
+        let solution = match ferroplan::solve(&text.domain, &text.problem, &options) {
+            Ok(solution) => solution,
+            Err(error) => return Answer::GaveUp(format!("{error:?}")),
+        };
+        match solution.plan.filter(|_| solution.solved) {
+            Some(plan) => named(plan.steps.iter().map(|s| s.action.as_str())),
+            None if solution.notes.iter().any(|n| n.contains("unsolvable at grounding")) => Answer::Unsolvable,
+            None => Answer::GaveUp(solution.notes.join("; ")),
+        }
     }
+}
+
+/// A plan of the fewest actions, or the proof that there is none, within so many nodes: the crate's A\*, which its
+/// outer interface bounds by the clock alone.
+fn fewest(text: &Text, nodes: usize) -> Result<Answer, String> {
+    let domain = parser::parse_domain(&text.domain).map_err(|e| format!("{e:?}"))?;
+    let problem = parser::parse_problem(&text.problem).map_err(|e| format!("{e:?}"))?;
+    let task = match ground::ground(&domain, &problem, 1) {
+        Outcome::Task(task) => task,
+        Outcome::GoalFalse(_) => return Ok(Answer::Unsolvable),
+        _ => return Ok(Answer::GaveUp(String::new())),
+    };
+    let found = optimal::solve(&task, None, nodes, None);
+    Ok(match (found.ops, found.proven) {
+        (Some(ops), true) => named(ops.iter().map(|op| task.op_display[*op].as_str()).filter(|name| *name != GOAL_REACHED)),
+        (None, true) => Answer::Unsolvable,
+        _ => Answer::GaveUp(String::new()),
+    })
+}
+
+/// An action that the crate adds for goals with alternatives.
+const GOAL_REACHED: &str = "REACH-GOAL";
+
+fn named<'n>(names: impl Iterator<Item = &'n str>) -> Answer {
+    let actions: Option<Vec<usize>> = names.map(text::action).collect();
+    actions.map_or_else(|| Answer::GaveUp("a plan in other words than asked".to_owned()), Answer::Plan)
 }
