@@ -291,6 +291,9 @@ pub enum Experiment {
     Occlusion(BenchRetrievalArgs),
     /// Table III and Fig. 9: 20 objects on a table, a base that drives against the same base fixed.
     Mobile(BenchRetrievalArgs),
+    /// Table IV and Fig. 10: an object on two others before the target; streams, streams with removal sequences, and
+    /// the retrieval graph alone.
+    Stacked(BenchRetrievalArgs),
     /// Make tables (Markdown, CSV) and figures (SVG) from the rows in a directory, beside them.
     Report(BenchReportArgs),
 }

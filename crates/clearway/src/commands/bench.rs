@@ -15,6 +15,7 @@ pub fn run(args: &BenchArgs) -> Result<Exit, Failure> {
         Named::Optimal(args) => bench_retrieval::run(Experiment::Optimal, args),
         Named::Occlusion(args) => bench_retrieval::run(Experiment::Occlusion, args),
         Named::Mobile(args) => bench_retrieval::run(Experiment::Mobile, args),
+        Named::Stacked(args) => bench_retrieval::run(Experiment::Stacked, args),
         Named::Report(args) => bench_report::run(args),
     }
 }

@@ -20,6 +20,8 @@ pub enum Experiment {
     Occlusion,
     /// Table III and Fig. 9.
     Mobile,
+    /// Table IV and Fig. 10.
+    Stacked,
 }
 
 /// Who plans.
@@ -41,6 +43,10 @@ pub enum TaskPlanner {
     AllKnown,
     /// Clearway, with a mobile base that stays where it is.
     FixedBase,
+    /// PDDL with streams: all objects may be moved, by either algorithm; then only those of removal sequences.
+    Streams,
+    StreamsIncremental,
+    Sequences,
 }
 
 /// What is drawn.
@@ -52,6 +58,7 @@ pub enum Kind {
     Table,
     /// Tables on which driving saves removals.
     Contrast,
+    Stacked,
 }
 
 /// A scene to be drawn.
@@ -85,13 +92,16 @@ impl TaskPlanner {
             Self::Largest => "largest",
             Self::AllKnown => "all_known",
             Self::FixedBase => "fixed_base",
+            Self::Streams => "streams",
+            Self::StreamsIncremental => "streams_incremental",
+            Self::Sequences => "sequences",
         }
     }
 }
 
 impl Experiment {
-    pub const ALL: [Self; 7] =
-        [Self::Known, Self::Graphs, Self::Peers, Self::Large, Self::Optimal, Self::Occlusion, Self::Mobile];
+    pub const ALL: [Self; 8] =
+        [Self::Known, Self::Graphs, Self::Peers, Self::Large, Self::Optimal, Self::Occlusion, Self::Mobile, Self::Stacked];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -102,13 +112,14 @@ impl Experiment {
             Self::Optimal => "optimal",
             Self::Occlusion => "occlusion",
             Self::Mobile => "mobile",
+            Self::Stacked => "stacked",
         }
     }
 
     /// Seconds for one run, unless said otherwise: the paper allows 60.
     pub fn time_limit(self, quick: bool) -> f64 {
         match self {
-            Self::Mobile => 10.0,
+            Self::Mobile | Self::Stacked => 10.0,
             _ if quick => 2.0,
             Self::Large | Self::Optimal | Self::Occlusion => 60.0,
             _ => 10.0,
@@ -118,7 +129,8 @@ impl Experiment {
     /// All its runs, those on one scene together; `quick`: a small cut.
     pub fn cases(self, quick: bool) -> Vec<Case> {
         use TaskPlanner::{
-            AllKnown, BruteForce, Clearway, Exact, Farthest, FixedBase, Largest, Paper, ShortestPath, Traversability,
+            AllKnown, BruteForce, Clearway, Exact, Farthest, FixedBase, Largest, Paper, Sequences, ShortestPath, Streams,
+            StreamsIncremental, Traversability,
         };
         let sizes = [12, 16, 20];
         let (scenes, runs) = if quick { (2, 2) } else { (20, 20) };
@@ -188,6 +200,12 @@ impl Experiment {
                 cases.retain(|case| known.insert(*case));
                 cases.sort_by_key(|case| (case.draw.least_removals, case.draw.seed));
                 cases
+            }
+            Self::Stacked => {
+                let draw = |objects, seed| Draw { kind: Kind::Stacked, objects, least_removals: 3, seed };
+                let draws = [4, 8, 12, 20].into_iter().flat_map(|n| (1..=scenes).map(move |s| draw(n, s)));
+                let with = [Streams, StreamsIncremental, Sequences, Clearway].map(|p| (p, FirstLimit::One));
+                cross(draws, with, if quick { 1 } else { 5 })
             }
         }
     }

@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 /// A JSON line. Counts of removals include the target; times in seconds.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// `known`, `graphs`, `peers`, `large`, `optimal`, `occlusion` or `mobile`.
+    /// `known`, `graphs`, `peers`, `large`, `optimal`, `occlusion`, `mobile` or `stacked`.
     pub experiment: String,
-    /// `clearway`, `paper`, `traversability`, `shortest_path`, `brute_force`, `exact`, `farthest`, `largest`, `all_known`
-    /// or `fixed_base`.
+    /// `clearway`, `paper`, `traversability`, `shortest_path`, `brute_force`, `exact`, `farthest`, `largest`, `all_known`,
+    /// `fixed_base`, `streams`, `streams_incremental` or `sequences`.
     pub planner: String,
     pub objects: usize,
     /// Of the exploration limit: `1`, `grasp` or `all`.

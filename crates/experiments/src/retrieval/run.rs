@@ -5,16 +5,23 @@ use crate::peers::{self, brute_force::brute_force, shortest_path::shortest_path,
 use crate::retrieval::experiment::{Case, Draw, Experiment, Kind, TaskPlanner};
 use crate::retrieval::row::{Growth, Row, Timing};
 use clearway_collision::CollisionModel;
+use clearway_files::FileError;
 use clearway_plan::event::{Event, Observer, Silent};
 use clearway_plan::plan_file::{self, LowerBound, Status};
 use clearway_plan::{Budget, PlanFile, Stop};
 use clearway_retrieval::occlusion::guess::Rule;
 use clearway_retrieval::occlusion::simulated::play;
 use clearway_retrieval::order::{self, Fewest};
-use clearway_retrieval::{Feasibility, FirstLimit, Planner, Request, Settings, mobile};
+use clearway_retrieval::handling::Handling;
+use clearway_retrieval::{Feasibility, FirstLimit, Planner, Request, Settings, Unfit, mobile};
 use clearway_robot::Robot;
 use clearway_scenarios::{self as scenarios, Wanted};
 use clearway_scene::Scene;
+use clearway_symbolic::engine::Ferroplan;
+use clearway_symbolic::pddl::Goal;
+use clearway_symbolic::problem::{self, Asked};
+use clearway_symbolic::search::Algorithm;
+use clearway_symbolic as symbolic;
 use clearway_verify::verify;
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
@@ -110,6 +117,12 @@ impl Bench {
                 }
                 plan
             }
+            TaskPlanner::Streams | TaskPlanner::StreamsIncremental | TaskPlanner::Sequences => {
+                self.with_streams(scene, model, case, &request).map_err(|error| match error {
+                    Unmade::Unfit(error) => unfit(error),
+                    Unmade::Read(error) => NoRow::Internal(error.to_string()),
+                })?
+            }
             TaskPlanner::Traversability | TaskPlanner::ShortestPath | TaskPlanner::BruteForce => {
                 let Settings { ways, carry, mobile, .. } = Settings::default();
                 let mut arm = Feasibility::new(scene, model, ways, carry, mobile).map_err(unfit)?;
@@ -123,6 +136,30 @@ impl Bench {
         };
         self.check_not_stopped()?;
         self.judge(plan, began, row)
+    }
+
+    /// The target had with symbols and streams; what they need of the robot and of files is made ready before the clock runs.
+    fn with_streams(&self, scene: Scene, model: Arc<CollisionModel>, case: &Case, request: &Request) -> Result<PlanFile, Unmade> {
+        let domain = symbolic::domain();
+        let streams = symbolic::streams(&domain).map_err(Unmade::Read)?;
+        let mut handling = Handling::new(scene, model, settings(case), request.seed).map_err(Unmade::Unfit)?;
+        let known = problem::constants(&domain, &handling).unwrap_or_default();
+        let goal = problem::retrieval(handling.scene());
+        let goal = Goal::read(Path::new("the target on a place"), &goal, &domain, &known).map_err(Unmade::Read)?;
+        let algorithm = match case.planner {
+            TaskPlanner::StreamsIncremental => Algorithm::Incremental,
+            _ => Algorithm::Focused,
+        };
+        let asked = Asked {
+            domain: &domain,
+            streams: &streams,
+            goal: &goal,
+            retrieval: true,
+            algorithm,
+            engine: &Ferroplan::default(),
+            sequences: case.planner == TaskPlanner::Sequences,
+        };
+        Ok(problem::solve(&mut handling, &asked, request.seed, &request.budget).plan)
     }
 
     /// Takes a plan into its row, with the verdict on it and its lower bound.
@@ -209,6 +246,12 @@ impl Bench {
     }
 }
 
+/// Why symbols and streams could not be asked.
+enum Unmade {
+    Unfit(Unfit),
+    Read(FileError),
+}
+
 /// As it stands in rows.
 fn named(limit: FirstLimit) -> String {
     match limit {
@@ -233,6 +276,7 @@ fn draw_scene(draw: &Draw) -> Result<Drawn, String> {
         Kind::Occluded => scenarios::occluded(&wanted),
         Kind::Table => scenarios::table(&wanted, false),
         Kind::Contrast => scenarios::table(&wanted, true),
+        Kind::Stacked => scenarios::stacked(&Wanted { least_removals: None, ..wanted }),
     };
     let file = drawn.map_err(|e| e.to_string())?.file;
     let text = serde_json::to_string(&file).map_err(|e| e.to_string())?;
