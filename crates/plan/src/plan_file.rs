@@ -340,12 +340,13 @@ pub struct Timing {
 
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Stats {
-    /// Rounds of Algorithm 1.
+    /// Rounds of Algorithm 1; calls of the symbolic engine, where symbols and streams planned.
     pub iterations: usize,
     /// *L* of the last round.
     pub exploration_limit: usize,
     pub roadmap_nodes: usize,
     pub retrieval_nodes: usize,
+    /// Of the roadmap; calls of streams, where those planned.
     pub samples: usize,
     pub sequences_tried: usize,
     /// Grasp postures looked at.

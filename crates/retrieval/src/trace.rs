@@ -76,7 +76,7 @@ fn why_handled(arm: &Feasibility, removed: &[String], carried: &[Carried], has_g
         ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..ObjectWhy::default() }
     });
     let what = if has_goal { "The goal is reached".to_owned() } else { format!("`{}` is had", names[arm.scene.target.index()]) };
-    let summary = format!("{what} with {} of {} objects moved.", removed.len(), names.len());
+    let summary = format!("{what} with {} of {} objects moved, in {} steps.", removed.len(), names.len(), carried.len());
     Why { summary, objects: objects.collect(), sides: Vec::new() }
 }
 

@@ -10,7 +10,7 @@ use crate::facts::{Fact, Facts, Value, Values};
 use crate::pddl::{Atom, Constant, Domain, Formula, Goal, PredicateId, Stream, Term};
 use crate::search::{Algorithm, Counts, NoPlan, Patience, Search};
 use crate::store::Store;
-use clearway_plan::plan_file::{PlanFile, Timing};
+use clearway_plan::plan_file::{PlanFile, Stats, Timing};
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 use clearway_retrieval::candidates::Candidates;
 use clearway_retrieval::carry::Carried;
@@ -95,7 +95,8 @@ pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget)
             (handling.no_plan(no_plan == NoPlan::Impossible, told(&no_plan, &asked.goal.text), goal, timing, seed), stopped)
         }
     };
-    Answer { plan, stopped, counts, movable, tries }
+    let stats = Stats { iterations: counts.engine_calls, samples: counts.stream_calls, sequences_tried: tries, ..Stats::default() };
+    Answer { plan: PlanFile { stats, ..plan }, stopped, counts, movable, tries }
 }
 
 fn told(no_plan: &NoPlan, goal: &str) -> String {

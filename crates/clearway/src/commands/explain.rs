@@ -1,6 +1,7 @@
 //! `clearway explain`: why these objects, in this order; for a failure, what stood in the way.
 
 use super::output::print;
+use super::summary;
 use crate::cli::ExplainArgs;
 use crate::exit::{Exit, Failure};
 use clearway::PlanFile;
@@ -23,7 +24,11 @@ fn text(plan: &PlanFile) -> String {
     let mut out = format!("{name}, target {}: ", plan.scene.target);
     match plan.status {
         Status::Solved => {
-            out += &format!("solved, {} removed in the order {}\n", plan.removed.len(), plan.removed.join(" → "));
+            let order = summary::order(plan).join(" → ");
+            match &plan.goal {
+                Some(goal) => out += &format!("solved, {} steps for the goal {goal}: {order}\n", plan.steps.len()),
+                None => out += &format!("solved, {} removed in the order {order}\n", plan.removed.len()),
+            }
             out += &format!("{}\n", plan.why.summary);
             if let Some(bound) = &plan.lower_bound {
                 let gap = plan.removed.len().saturating_sub(bound.removed);
@@ -40,6 +45,14 @@ fn text(plan: &PlanFile) -> String {
     out += &sides(plan);
     out += &drives(plan);
     let s = &plan.stats;
+    // No retrieval graph, but symbols and streams.
+    if s.retrieval_nodes == 0 && s.exploration_limit == 0 {
+        out += &format!(
+            "\n{} symbolic plans, {} streams asked, {} sets of movable objects tried\n",
+            s.iterations, s.samples, s.sequences_tried
+        );
+        return out;
+    }
     out += &format!(
         "\n{} round{}, exploration limit {}, {} sequences tried, {} grasp postures looked at, {} roadmap and {} retrieval graph nodes\n",
         s.iterations,

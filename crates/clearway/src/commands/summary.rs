@@ -48,9 +48,17 @@ impl Observer for Progress {
 /// How it ended, in a line.
 pub fn verdict(plan: &PlanFile) -> String {
     match plan.status {
-        Status::Solved => format!("solved: {}", plan.removed.join(" → ")),
+        Status::Solved => format!("solved: {}", order(plan).join(" → ")),
         Status::Impossible => format!("impossible: {}", plan.why.summary),
         Status::OutOfBudget => format!("no plan: {}", plan.why.summary),
+    }
+}
+
+/// The objects in the order in which they are moved; for a goal of its own those that are moved again, again.
+pub fn order(plan: &PlanFile) -> Vec<String> {
+    match plan.goal {
+        Some(_) => plan.steps.iter().map(|s| s.object.clone()).collect(),
+        None => plan.removed.clone(),
     }
 }
 
@@ -58,9 +66,13 @@ pub fn verdict(plan: &PlanFile) -> String {
 pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> String {
     let mut out = verdict(plan) + "\n";
     if plan.status == Status::Solved {
-        out += &format!("  removed {}{}\n", plan.removed.len(), bound(plan));
+        match plan.goal {
+            Some(_) => out += &format!("  moved {} objects in {} steps\n", plan.removed.len(), plan.steps.len()),
+            None => out += &format!("  removed {}{}\n", plan.removed.len(), bound(plan)),
+        }
         for step in &plan.why.objects {
-            out += &format!("  {}. {}: {}\n", step.order, step.object, step.reason);
+            let number = if plan.goal.is_some() { "-".to_owned() } else { format!("{}.", step.order) };
+            out += &format!("  {number} {}: {}\n", step.object, step.reason);
         }
         out += &format!(
             "  planned in {:.1} ms ({:.1} ms choosing, {:.1} ms moving), {:.1} s of motion\n",
