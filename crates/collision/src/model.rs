@@ -81,7 +81,7 @@ impl CollisionModel {
                     bound: bounding_sphere(&spheres),
                     spheres: if costly { spheres } else { Vec::new() },
                     hand,
-                    still: kinematics.moved_by[index] == 0 && !kinematics.moved_by_hand[index],
+                    still: kinematics.is_still(index),
                 })
             })
             .collect();
@@ -126,17 +126,13 @@ fn body_settings() -> BodySettings {
     BodySettings { self_margin: SELF_MARGIN, still_aside: true, ..BodySettings::default() }
 }
 
-/// By link: spheres for the kernel.
-fn kernel_spheres(robot: &Robot) -> Vec<Vec<Sphere>> {
-    let width = |link: usize| if robot.hand.links.contains(&link) { KERNEL_HAND_CELL } else { KERNEL_ARM_CELL };
-    robot.links.iter().enumerate().map(|(i, l)| cover(&l.collision, width(i))).collect()
-}
-
 /// The links' spheres, made ready for the kernel.
 fn kernel(robot: &Robot, group: &Group, pairs: &[(usize, usize)]) -> Kernel {
     let links = robot.links.len();
+    let width = |link: usize| if robot.hand.links.contains(&link) { KERNEL_HAND_CELL } else { KERNEL_ARM_CELL };
+    let spheres: Vec<Vec<Sphere>> = robot.links.iter().enumerate().map(|(i, l)| cover(&l.collision, width(i))).collect();
     let all = (0..links).flat_map(|a| (a + 1..links).map(move |b| (a, b)));
-    Kernel::of_covers(group, &kernel_spheres(robot), all.filter(|pair| !pairs.contains(pair)).collect(), &body_settings())
+    Kernel::of_covers(group, &spheres, all.filter(|pair| !pairs.contains(pair)).collect(), &body_settings())
 }
 
 /// For each arm joint that moves `link`: the chain's lengths from the joint to the link, added up,

@@ -61,7 +61,7 @@ impl<'a> Among<'a> {
     pub fn contact(&self, q: &[f64], unchecked: &[(usize, usize)], scratch: &mut Scratch) -> Option<Contact> {
         self.place(q, &mut scratch.frames);
         let Scratch { frames, directions, .. } = scratch;
-        let moves = |l: usize| self.group.kinematics.moved_by[l] != 0 || self.group.kinematics.moved_by_hand[l];
+        let moves = |l: usize| !self.group.kinematics.is_still(l);
         let links = self.shapes.links.iter().enumerate().filter_map(|(i, l)| Some((i, l.as_ref()?)));
         for (number, obstacle) in self.obstacles.iter().enumerate() {
             for (index, link) in links.clone().filter(|(l, _)| moves(*l)) {

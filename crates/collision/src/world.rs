@@ -136,8 +136,7 @@ impl World {
         let kinematics = &self.model.kinematics;
         let mut frames = Vec::new();
         kinematics.frames(&vec![0.0; kinematics.arm_joints], 0.0, &mut frames);
-        let still = |l: &usize| kinematics.moved_by[*l] == 0 && !kinematics.moved_by_hand[*l];
-        let links = (0..frames.len()).filter(|l| self.model.kernel.still.is_some() && still(l));
+        let links = (0..frames.len()).filter(|l| self.model.kernel.still.is_some() && kinematics.is_still(*l));
         links.flat_map(|l| Piece::of_solid(&self.model.robot.links[l].collision, &frames[l], link_owner(l))).collect()
     }
 

@@ -132,6 +132,11 @@ impl Kinematics {
         Self { steps, arm_joints, tool: robot.tool, moved_by, moved_by_hand }
     }
 
+    /// Whether no joint moves a link.
+    pub fn is_still(&self, link: usize) -> bool {
+        self.moved_by[link] == 0 && !self.moved_by_hand[link]
+    }
+
     /// One more link, the last, that does not move against `parent`.
     pub fn add_fixed(&mut self, parent: usize, parent_from_link: Pose) {
         self.steps.push(LinkStep { parent, parent_from_joint: parent_from_link, motion: Motion::Still });

@@ -73,7 +73,11 @@ pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget)
     let goal = with_empty_hand(asked.goal, asked.domain);
     let asked = &Asked { goal: &goal, ..*asked };
     let mut run = Run { handling, asked, budget, counts: Counts::default(), moving: Duration::ZERO, tries: 0, movable: 0 };
-    let ended = run.run();
+    // Hopes merge what one stream may find; that this loses no plan is known of the built-in domain.
+    let ended = run.run().map_err(|no_plan| match no_plan {
+        NoPlan::Impossible if *asked.domain != crate::domain() => NoPlan::Hopeless,
+        no_plan => no_plan,
+    });
     let Run { handling, counts, moving, tries, movable, .. } = run;
     let total = began.elapsed();
     let timing = Timing {

@@ -14,7 +14,7 @@ const SMALL: f64 = 0.004;
 /// The nearest link that two hang from, or one of them; `None` where a joint that moves both moves them
 /// against each other, too: others may mimic it.
 pub(super) fn shared(kinematics: &Kinematics, a: usize, b: usize) -> Option<usize> {
-    let shared = above(kinematics, a).find(|l| above(kinematics, b).any(|other| other == *l))?;
+    let shared = nearest_above(kinematics, a, b)?;
     let hand = |l: usize| kinematics.moved_by_hand[l];
     let arm = kinematics.moved_by[a] & kinematics.moved_by[b] == kinematics.moved_by[shared];
     (arm && (hand(a) && hand(b)) == hand(shared)).then_some(shared)
@@ -23,6 +23,11 @@ pub(super) fn shared(kinematics: &Kinematics, a: usize, b: usize) -> Option<usiz
 /// A link and what it hangs from, up to the root.
 fn above(kinematics: &Kinematics, link: usize) -> impl Iterator<Item = usize> {
     std::iter::successors(Some(link), |&l| (l != 0).then(|| kinematics.steps()[l].parent))
+}
+
+/// The nearest link that two hang from, or one of them.
+fn nearest_above(kinematics: &Kinematics, a: usize, b: usize) -> Option<usize> {
+    above(kinematics, a).find(|l| above(kinematics, b).any(|other| other == *l))
 }
 
 /// The link below the only joint that a variable moves between two links.
@@ -39,7 +44,7 @@ fn only_joint(kinematics: &Kinematics, shared: usize, links: [usize; 2], variabl
 /// Whether nothing moves between two links.
 fn rigid(kinematics: &Kinematics, a: usize, b: usize) -> bool {
     let still = |l: &usize| matches!(kinematics.steps()[*l].motion, Motion::Still);
-    let Some(shared) = above(kinematics, a).find(|l| above(kinematics, b).any(|other| other == *l)) else { return false };
+    let Some(shared) = nearest_above(kinematics, a, b) else { return false };
     [a, b].into_iter().all(|link| above(kinematics, link).take_while(|l| *l != shared).all(|l| still(&l)))
 }
 

@@ -31,7 +31,7 @@ pub fn contact(
         .zip(&frames)
         .map(|(own, frame)| own.iter().map(|s| Sphere { centre: frame.point(s.centre), ..*s }).collect())
         .collect();
-    let moves = |link: usize| group.kinematics.moved_by[link] != 0 || group.kinematics.moved_by_hand[link];
+    let moves = |link: usize| !group.kinematics.is_still(link);
     for (number, (pose, convex)) in obstacles.iter().enumerate() {
         for (link, own) in placed.iter().enumerate().filter(|(link, _)| moves(*link)) {
             let near = |s: &Sphere| {

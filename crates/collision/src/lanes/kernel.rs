@@ -134,7 +134,7 @@ impl Kernel {
         let neighbours = neighbours::find(group, spheres, &unchecked, settings.self_margin + f64::from(ROUNDING));
         unchecked.extend(neighbours.iter().map(|n| (n.a, n.b)));
         let kinematics = &group.kinematics;
-        let still = |l: usize| kinematics.moved_by[l] == 0 && !kinematics.moved_by_hand[l];
+        let still = |l: usize| kinematics.is_still(l);
         let shaped = |l: usize| !spheres[l].is_empty();
         let all = (0..links).flat_map(|a| (a + 1..links).map(move |b| (a, b)));
         let aside = all.filter(|&(a, b)| still(a) != still(b) && shaped(a) && shaped(b) && !unchecked.contains(&(a, b)));
