@@ -37,7 +37,7 @@ function showSteps(plan, timeline, colours, go) {
     const length = segments.length ? segments.at(-1).end - segments[0].start : 0;
     const known = plan.known?.find((k) => k.step === stepIndex);
     const looking = known && known.taking !== plan.scene.target;
-    const verb = step.action === 'push' ? 'push aside' : step.object === plan.scene.target ? 'take out, the target' : looking ? `take out, to look behind ${known.taking === step.object ? 'it' : known.taking}` : 'take out';
+    const verb = step.action === 'push' ? 'push aside' : plan.goal ? destination(plan, step) : step.object === plan.scene.target ? 'take out, the target' : looking ? `take out, to look behind ${known.taking === step.object ? 'it' : known.taking}` : 'take out';
     const head = element('button', 'step-head',
       swatch(colour, order ? String(order) : ''), element('span', 'step-name', step.object), element('span', 'quiet', verb), element('span', 'quiet time', seconds(length)));
     head.addEventListener('click', () => go(segments[0]?.start ?? 0));

@@ -22,9 +22,9 @@ const HAND_COLOUR = [0.42, 0.45, 0.5];
 
 const css = (c, alpha = 1) => `rgb(${c.slice(0, 3).map((v) => Math.round(v * 255)).join(' ')} / ${alpha})`;
 
-/** By id: the colour and place in the removal order of every object that moves, or is wanted. */
+/** By id: the colour and place in the removal order of every object that moves, or is wanted; for a goal of its own, in the order of first moves. */
 function removalColours(plan) {
-  const removed = [...new Set(plan.removed ?? [])];
+  const removed = [...new Set(plan.goal ? plan.steps.map((step) => step.object) : plan.removed ?? [])];
   const before = removed.filter((id) => id !== plan.scene.target);
   const colours = new Map();
   removed.forEach((id, i) => {

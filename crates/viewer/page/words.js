@@ -15,11 +15,19 @@ function placeUnder(plan, position) {
     [0, 1].every((i) => Math.abs(position[i] - area.position[i]) <= area.size[i] / 2 + 1e-6)) ?? null;
 }
 
+/** Where a step leaves its object: “to the tray”, “back to its place”, “aside”. */
+function destination(plan, step) {
+  const area = step.placed && placeUnder(plan, step.placed.position);
+  if (area) return `to the ${area.id}`;
+  const stood = plan.scene.objects.find((object) => object.id === step.object)?.position;
+  const back = stood && step.placed && Math.hypot(...stood.map((v, i) => v - step.placed.position[i])) < 1e-3;
+  return back ? 'back to its place' : 'aside';
+}
+
 /** What the robot does in a segment: “carrying o8 to the tray”. */
 function doing(plan, segment) {
   const name = segment.step.object;
-  const area = segment.step.placed && placeUnder(plan, segment.step.placed.position);
-  const where = area ? `to the ${area.id}` : 'aside';
+  const where = destination(plan, segment.step);
   if (segment.drives) return segment.attached ? `driving with ${name}` : `driving to where ${name} is in reach`;
   switch (segment.kind) {
     case 'transit': return segment.beforeHold && !segment.released ? `moving to ${name}` : 'moving away';
@@ -43,6 +51,7 @@ const STATUS = {
 function removalText(plan) {
   const removed = plan.removed?.length ?? 0;
   const bound = plan.lower_bound?.removed;
+  if (plan.goal && removed) return `${removed} moved in ${plural(plan.steps.length, 'step')}`;
   if (removed === 0) return bound ? `at least ${bound} to remove` : 'no plan';
   if (!bound) return `${removed} removed`;
   return removed === bound ? `${removed} removed, proved fewest` : `${removed} removed, at least ${bound} needed`;
