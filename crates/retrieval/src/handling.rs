@@ -84,14 +84,14 @@ impl Handling {
         Ok(order.into_iter().map(|g| ways.grasps[g].clone()).collect())
     }
 
-    /// The ways to an object that stands like this, held like this: the freest first. What stands in them is
-    /// told of the other objects where the scene has them.
-    pub fn ways(&mut self, object: ObjectId, at: &Pose, grasp: &Grasp) -> Vec<Way> {
+    /// The ways to an object that stands like this, held like this: the freest first; as soon as there are `enough` that
+    /// nothing stands in, no more. What stands in them is told of the other objects where the scene has them.
+    pub fn ways(&mut self, object: ObjectId, at: &Pose, grasp: &Grasp, enough: usize) -> Vec<Way> {
         let moved_to = (*at != self.arm.scene.objects[object.index()].pose).then_some(*at);
         let Feasibility { stands, inverse, floor, settings, scratch, .. } = &mut self.arm;
         let world = &stands[0].world;
         let moved_to = moved_to.map(|at| world.root_from_world * at);
-        let mut ways = Explorer { world, inverse, floor, settings, moved_to }.with_grasp(object, grasp, scratch);
+        let mut ways = Explorer { world, inverse, floor, settings, moved_to }.with_grasp(object, grasp, enough, scratch);
         let home = &world.model.robot.home;
         let from_home = |w: &Way| w.postures.last().map_or(f64::INFINITY, |q| distance(q, home));
         ways.sort_by(|a, b| (a.blocked_by.len(), !a.clear).cmp(&(b.blocked_by.len(), !b.clear)).then(from_home(a).total_cmp(&from_home(b))));

@@ -188,18 +188,28 @@ impl Explorer<'_> {
         self.moved_to.unwrap_or(self.world.poses[object.index()])
     }
 
-    /// The ways to hold an object like this and no other, whatever objects stand in them.
-    pub fn with_grasp(&self, object: ObjectId, grasp: &Grasp, scratch: &mut Scratch) -> Vec<Way> {
+    /// The ways to hold an object like this and no other: as soon as there are `enough` that lead out and nothing stands
+    /// in, no more; else all, whatever objects stand in them.
+    pub fn with_grasp(&self, object: ObjectId, grasp: &Grasp, enough: usize, scratch: &mut Scratch) -> Vec<Way> {
         let root_from_tool = self.pose(object) * grasp.object_from_tool;
         let home = &self.world.model.robot.home;
         let mut branches = self.inverse.solve(&root_from_tool, home);
         branches.sort_by(|a, b| distance(b, home).total_cmp(&distance(a, home)));
         let unseen = branches.into_iter().map(|q| (0, q)).collect();
         let mut ways = Ways { grasps: vec![grasp.clone()], unseen, ..Ways::default() };
-        while self.see(object, &mut ways, scratch) {}
-        while let Some(next) = ways.ways.iter().position(|w| w.stage < Stage::Exact) {
-            self.advance(object, &mut ways, next, ObjectSet::CAPACITY, scratch);
+        loop {
+            let exact = |w: &Way| w.stage == Stage::Exact;
+            if ways.ways.iter().filter(|w| exact(w) && w.clear && w.blocked_by.is_empty()).count() >= enough {
+                break;
+            }
+            let open = ways.ways.iter().position(|w| !exact(w) && w.blocked_by.is_empty());
+            match open.or_else(|| if ways.unseen.is_empty() { ways.ways.iter().position(|w| !exact(w)) } else { None }) {
+                Some(next) => self.advance(object, &mut ways, next, ObjectSet::CAPACITY, scratch),
+                None if self.see(object, &mut ways, scratch) => {}
+                None => break,
+            }
         }
+        ways.ways.retain(|w| w.stage == Stage::Exact);
         ways.ways
     }
 

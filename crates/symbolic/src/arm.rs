@@ -13,7 +13,7 @@ use clearway_retrieval::carry::Carried;
 use clearway_retrieval::grasps::Grasp;
 use clearway_retrieval::handling::{Bring, Handling, Surface};
 use clearway_retrieval::ways::Way;
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::time::{Duration, Instant};
 
 /// The streams that there are.
@@ -29,6 +29,9 @@ pub const PROVIDED: [Provided; 7] = [
 
 /// Candidates looked at for one placement before one that something stands in the way of will do.
 const CANDIDATES: usize = 40;
+
+/// Ways that nothing stands in, after which no more are looked for at first.
+const ENOUGH: usize = 3;
 
 /// An object in the way of a placement is as bad as this placement being in the way of so many others, which may be
 /// put down before it.
@@ -52,6 +55,14 @@ struct Placements {
     blocked: Vec<(usize, Pose, Way)>,
 }
 
+/// Ways to an object that stands and is held like this: how many were given out, and those left, as far as they were looked for.
+#[derive(Default)]
+struct WaysGiven {
+    count: usize,
+    left: VecDeque<Way>,
+    all: bool,
+}
+
 /// A pose given out, with a way to it.
 struct Given {
     object: ObjectId,
@@ -69,7 +80,7 @@ pub struct Arm<'b> {
     things: HashMap<Value, Thing>,
     grasps: HashMap<Value, std::vec::IntoIter<Grasp>>,
     placements: HashMap<Vec<Value>, Placements>,
-    ways: HashMap<Vec<Value>, std::vec::IntoIter<Way>>,
+    ways: HashMap<Vec<Value>, WaysGiven>,
     given: Vec<Given>,
     /// By object: the fixed ones in each of its ways at home, as far as there are any.
     blamed: HashMap<ObjectId, Vec<ObjectSet>>,
@@ -193,7 +204,7 @@ impl<'b> Arm<'b> {
             }
             let overlapped = home.iter().filter(meets).count();
             looked += 1;
-            let ways = self.handling.ways(object, &at, &grasp);
+            let ways = self.handling.ways(object, &at, &grasp, 1);
             let Some(way) = ways.into_iter().find(|w| !w.blocked_by.intersects(&self.fixed)) else { continue };
             let (hindered, hinders) = self.conflicts(object, &at, &grasp, &way);
             let conflicts = HINDERED * (way.blocked_by.len() + overlapped + hindered) + hinders;
@@ -225,19 +236,25 @@ impl<'b> Arm<'b> {
 
     fn next_way(&mut self, inputs: &[Value]) -> Option<Thing> {
         let (object, at, grasp) = (self.object(inputs[0])?, self.pose(inputs[1])?, self.grasp(inputs[2])?);
-        if !self.ways.contains_key(inputs) {
-            let (open, shut): (Vec<Way>, Vec<Way>) =
-                self.handling.ways(object, &at, &grasp).into_iter().partition(|w| !w.blocked_by.intersects(&self.fixed));
+        let mut given = self.ways.remove(inputs).unwrap_or_default();
+        while given.left.is_empty() && !given.all {
+            // A few first; all of them when those are spent.
+            given.all = given.count > 0;
+            let ways = self.handling.ways(object, &at, &grasp, if given.all { usize::MAX } else { ENOUGH });
+            given.all |= ways.len() < ENOUGH;
+            let (open, shut): (Vec<Way>, Vec<Way>) = ways.into_iter().partition(|w| !w.blocked_by.intersects(&self.fixed));
             if at == self.handling.scene().objects[object.index()].pose {
                 self.blamed.entry(object).or_default().extend(shut.iter().map(|w| w.blocked_by));
                 if !open.is_empty() {
                     self.free.insert(object);
                 }
             }
-            self.ways.insert(inputs.to_vec(), open.into_iter());
+            given.left = open.into_iter().skip(given.count).collect();
         }
-        let way = Box::new(self.ways.get_mut(inputs)?.next()?);
-        Some(Thing::Way { object, at, grasp, way })
+        let way = given.left.pop_front();
+        given.count += usize::from(way.is_some());
+        self.ways.insert(inputs.to_vec(), given);
+        Some(Thing::Way { object, at, grasp, way: Box::new(way?) })
     }
 }
 

@@ -197,7 +197,13 @@ impl<'s, 'a> Search<'s, 'a> {
         let mut hoping = Hoping { store: &mut *self.store, facts, optimistic };
         let task = grounder.task(&values, self.state, &mut hoping, self.goal)?;
         let (few, kept) = relevance::with_only(&task, &relevance::relevant(&task));
-        let mut answer = self.solve(&few, STATES)?;
+        let mut answer = match self.solve(&few, STATES) {
+            Err(NoPlan::Engine(_)) => {
+                self.unproved = true;
+                None
+            }
+            answer => answer?,
+        };
         if let Some(plan) = &mut answer {
             plan.iter_mut().for_each(|a| *a = kept[*a]);
         } else if thorough && kept.len() < task.actions.len() {

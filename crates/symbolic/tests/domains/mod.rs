@@ -54,7 +54,7 @@ pub struct Drawn {
 type Scope = Vec<(String, &'static str)>;
 
 pub struct Draw {
-    pub random: Xoshiro256PlusPlus,
+    random: Xoshiro256PlusPlus,
     names: usize,
 }
 
@@ -63,12 +63,16 @@ impl Draw {
         Self { random: Xoshiro256PlusPlus::seed_from_u64(seed), names: 0 }
     }
 
-    pub fn one<'t, T>(&mut self, of: &'t [T]) -> &'t T {
-        &of[self.random.random_range(0..of.len())]
+    pub fn below(&mut self, end: usize) -> usize {
+        self.random.random_range(0..end)
     }
 
-    pub fn in_ten(&mut self, times: u32) -> bool {
-        self.random.random_range(0..10) < times
+    pub fn one<'t, T>(&mut self, of: &'t [T]) -> &'t T {
+        &of[self.below(of.len())]
+    }
+
+    pub fn in_ten(&mut self, times: usize) -> bool {
+        self.below(10) < times
     }
 
     /// Draws until what was drawn can be read: goals, and effects, must not contradict themselves.
@@ -96,16 +100,17 @@ impl Draw {
             let body = self.formula(2, &mut scope, false);
             let _ = write!(text, "\n  (:derived ({name} ?d - {}) {body})", of[0]);
         }
-        for action in 0..3 {
+        for action in 0..4 {
             let mut scope = constants();
             let mut parameters = String::new();
-            for parameter in 0..self.random.random_range(0..3) {
+            for parameter in 0..self.below(3) {
                 let of = *self.one(&TYPES[..4]);
                 let _ = write!(parameters, " ?p{parameter} - {of}");
                 scope.push((format!("?p{parameter}"), of));
             }
-            let needs = if self.in_ten(1) { "()".to_owned() } else { self.formula(2, &mut scope, true) };
-            let effects: Vec<String> = (0..self.random.random_range(1..4)).map(|_| self.effect(&mut scope)).collect();
+            let depth = self.below(3);
+            let needs = if self.in_ten(1) { "()".to_owned() } else { self.formula(depth, &mut scope, true) };
+            let effects: Vec<String> = (0..2 + self.below(2)).map(|_| self.effect(&mut scope)).collect();
             let effects = effects.join(" ");
             let _ = write!(text, "\n  (:action a{action} :parameters ({parameters}) :precondition {needs} :effect (and {effects}))");
         }
@@ -133,8 +138,8 @@ impl Draw {
     }
 
     fn formula(&mut self, depth: usize, scope: &mut Scope, derived: bool) -> String {
-        let mut inner = |draw: &mut Self, scope: &mut Scope| draw.formula(depth - 1, scope, derived);
-        match if depth == 0 { 0 } else { self.random.random_range(0..10) } {
+        let inner = |draw: &mut Self, scope: &mut Scope| draw.formula(depth - 1, scope, derived);
+        match if depth == 0 { 0 } else { self.below(10) } {
             0..4 => self.literal(scope, derived),
             4 => format!("(not {})", inner(self, scope)),
             5 => format!("(and {} {})", inner(self, scope), inner(self, scope)),
@@ -149,7 +154,7 @@ impl Draw {
         let atom = match self.in_ten(1) {
             true => format!("(= {} {})", self.one(scope).0, self.one(scope).0),
             false => {
-                let (name, of) = PARAMETERS[self.random.random_range(0..if derived { PARAMETERS.len() } else { EMPTY })];
+                let (name, of) = PARAMETERS[self.below(if derived { PARAMETERS.len() } else { EMPTY })];
                 self.atom(name, of, scope)
             }
         };
@@ -164,7 +169,7 @@ impl Draw {
             let fits = |what: &str| is(what, wanted) || !strict && is(wanted, what);
             let fitting: Vec<&String> = scope.iter().filter(|(_, what)| fits(what)).map(|(name, _)| name).collect();
             // What is quantified or a parameter rather than a constant.
-            let newest = fitting.len() - if self.in_ten(7) { 1 } else { self.random.random_range(1..=fitting.len()) };
+            let newest = fitting.len() - if self.in_ten(7) { 1 } else { 1 + self.below(fitting.len()) };
             let _ = write!(atom, " {}", fitting[newest]);
         }
         atom + ")"
@@ -172,7 +177,7 @@ impl Draw {
 
     fn effect(&mut self, scope: &mut Scope) -> String {
         let simple = |draw: &mut Self, scope: &mut Scope| {
-            let (name, of) = PARAMETERS[draw.random.random_range(0..CHANGED)];
+            let (name, of) = PARAMETERS[draw.below(CHANGED)];
             let atom = draw.atom(name, of, scope);
             if draw.in_ten(5) { format!("(not {atom})") } else { atom }
         };
@@ -180,7 +185,7 @@ impl Draw {
             let condition = draw.formula(1, scope, true);
             format!("(when {condition} {})", simple(draw, scope))
         };
-        match self.random.random_range(0..10) {
+        match self.below(10) {
             0..6 => simple(self, scope),
             6..8 => conditional(self, scope),
             8 => format!("(forall {})", self.quantified(scope, simple)),
