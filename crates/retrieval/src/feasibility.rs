@@ -447,6 +447,11 @@ impl Feasibility {
         for (i, &object) in objects.iter().enumerate().skip(kept) {
             let removed: ObjectSet = objects[..i].iter().copied().collect();
             let began = Instant::now();
+            let fallen = self.scene.fallen(self.scene.all().difference(removed.with(object)));
+            if !fallen.is_empty() {
+                journey.obstruction = Some((object, "taking it from under what would fall"));
+                return Ok(Err(NoMotion { object, removed, blamed: vec![fallen.union(removed)] }));
+            }
             let carried = self.carry_one(object, &removed, stops[i - kept], journey, budget);
             journey.spent += began.elapsed();
             match carried? {

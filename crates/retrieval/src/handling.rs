@@ -17,7 +17,7 @@ use clearway_geometry::{Pose, Vec2};
 use clearway_motion::distance;
 use clearway_plan::plan_file::{PlanFile, Timing};
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
-use clearway_scene::{Place, Scene, Support};
+use clearway_scene::{Fixture, Place, Scene, Support};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::sync::Arc;
@@ -199,12 +199,12 @@ impl Handling {
         match surface {
             Surface::Place(_) => true,
             Surface::Fixture(_) => scene.stands(object, at, ObjectSet::EMPTY),
-            Surface::Object(id, under) => {
-                if under == scene.objects[id.index()].pose {
-                    scene.stands(object, at, ObjectSet::of(id))
-                } else {
-                    scene.moved(id, under).stands(object, at, ObjectSet::of(id))
-                }
+            Surface::Object(id, pose) => {
+                // As if that stood fast: whether it does hangs on what it stands on then.
+                let below = &scene.objects[id.index()];
+                let mut fast = scene.clone();
+                fast.fixtures.push(Fixture { id: below.id.clone(), solid: below.solid.clone(), pose });
+                fast.stands(object, at, ObjectSet::EMPTY)
             }
         }
     }
@@ -219,7 +219,30 @@ impl Handling {
         let (grasp, object) = (&bring.grasp, bring.object);
         let root = self.arm.stands[0].world.root_from_world;
         let relocation = Relocation { object, grasp, from: (root * bring.from.0, &bring.from.1), to: (root * bring.to.0, &bring.to.1) };
+        let mut without = before.clone();
+        without.standing.remove(object);
+        without.placed.retain(|(o, _)| *o != object);
+        let mut with = without.clone();
+        with.placed.push((object, bring.to.0));
+        for (situation, what) in [(&without, "taking it from under what would fall"), (&with, "putting it where something would fall")] {
+            let fallen = self.fallen(situation);
+            if !fallen.is_empty() {
+                return Ok(Err(Obstruction { what, blamed: fallen }));
+            }
+        }
         self.carrier(before, budget).relocate(&relocation, before, false)
+    }
+
+    /// Of what stands on other objects, that which would fall.
+    fn fallen(&self, situation: &Situation) -> ObjectSet {
+        let scene = &self.arm.scene;
+        let mut now = scene.clone();
+        let mut standing = situation.standing;
+        for (object, pose) in &situation.placed {
+            now = now.moved(*object, *pose);
+            standing.insert(*object);
+        }
+        now.fallen(standing)
     }
 
     /// Adds the arm's way home to a step; false when none was found.

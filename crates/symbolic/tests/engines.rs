@@ -25,7 +25,7 @@ fn agree(engine: &Ferroplan, task: &Task) -> Option<usize> {
         Answer::Plan(found) => {
             assert!(does(task, &found), "{found:?} does not do in {task:#?}");
             let least = plan.unwrap().len();
-            if states <= engine.optimal_states {
+            if states <= engine.optimal_nodes {
                 assert_eq!(found.len(), least, "{found:?} in {task:#?}");
             }
             Some(found.len())
@@ -57,7 +57,7 @@ fn some_plan_is_found_where_the_fewest_actions_are_given_up() {
     let mut found = 0;
     for _ in 0..500 {
         let task = draw.task(8);
-        found += usize::from(agree(&Ferroplan { optimal_states: 1 }, &task).is_some_and(|length| length > 1));
+        found += usize::from(agree(&Ferroplan { optimal_nodes: 1 }, &task).is_some_and(|length| length > 1));
     }
     assert!(found > 30, "{found}");
 }
@@ -146,7 +146,7 @@ fn a_cancelled_search_ends() {
     let flag = Arc::new(AtomicBool::new(false));
     let budget = Budget::unlimited().with_cancel(flag.clone());
     std::thread::scope(|scope| {
-        let search = scope.spawn(|| Ferroplan { optimal_states: usize::MAX }.solve(&counter(26), usize::MAX, &budget));
+        let search = scope.spawn(|| Ferroplan { optimal_nodes: usize::MAX }.solve(&counter(26), usize::MAX, &budget));
         flag.store(true, Ordering::Relaxed);
         assert_ne!(search.join().unwrap(), Answer::Unsolvable);
     });
