@@ -41,7 +41,8 @@ pub mod pddl {
     pub use clearway_symbolic::arm::PROVIDED;
     pub use clearway_symbolic::engine::{Engine, FastDownward, Ferroplan};
     pub use clearway_symbolic::pddl::{Constant, Domain, Goal, Stream};
-    pub use clearway_symbolic::problem::{Answer, Asked, check, constants, retrieval};
+    pub use clearway_symbolic::problem::{Answer, Asked, retrieval};
+    pub use clearway_symbolic::telling::{check, constants};
     pub use clearway_symbolic::search::Algorithm;
     pub use clearway_symbolic::{DOMAIN, STREAMS, domain, streams};
 }

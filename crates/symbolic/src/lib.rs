@@ -8,6 +8,7 @@
 //! | [`engine`] | symbolic engines behind a trait |
 //! | [`store`], [`hope`], [`search`] | streams at work, and the focused and incremental algorithms |
 //! | [`arm`] | the streams of pick-and-place |
+//! | [`telling`] | a scene in facts |
 //! | [`problem`] | a scene and a goal in, a plan out; the join with removal sequences |
 //!
 //! `domain.pddl` and `streams.pddl` beside this file are the built-in ones.
@@ -26,6 +27,7 @@ pub mod problem;
 pub mod relevance;
 pub mod search;
 pub mod store;
+pub mod telling;
 
 /// The built-in domain and streams, as text.
 pub const DOMAIN: &str = include_str!("domain.pddl");

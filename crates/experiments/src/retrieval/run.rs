@@ -21,6 +21,7 @@ use clearway_symbolic::engine::Ferroplan;
 use clearway_symbolic::pddl::Goal;
 use clearway_symbolic::problem::{self, Asked};
 use clearway_symbolic::search::Algorithm;
+use clearway_symbolic::telling;
 use clearway_symbolic as symbolic;
 use clearway_verify::verify;
 use sha2::{Digest, Sha256};
@@ -143,7 +144,7 @@ impl Bench {
         let domain = symbolic::domain();
         let streams = symbolic::streams(&domain).map_err(Unmade::Read)?;
         let mut handling = Handling::new(scene, model, settings(case), request.seed).map_err(Unmade::Unfit)?;
-        let known = problem::constants(&domain, &handling).unwrap_or_default();
+        let known = telling::constants(&domain, &handling).unwrap_or_default();
         let goal = problem::retrieval(handling.scene());
         let goal = Goal::read(Path::new("the target on a place"), &goal, &domain, &known).map_err(Unmade::Read)?;
         let algorithm = match case.planner {

@@ -4,13 +4,16 @@
 //! Task planners differ in which objects they ask about, and in what order; they share these answers.
 //! What was found out about an object's ways is kept: removal is monotone.
 
+mod journey;
+mod stops;
+
+pub use journey::{Journey, NoMotion};
+
 use crate::barriers::Barriers;
 use crate::bound::Prover;
-use crate::carry::{self, Carried, Carrier, Obstruction, Situation};
+use crate::carry;
 use crate::floor::Floor;
-use crate::mobile::bring::Elsewhere;
-use crate::mobile::itinerary::{Errand, Visit};
-use crate::mobile::{self, Base, Served};
+use crate::mobile::{self, Base};
 use crate::order::WaysIn;
 use crate::place;
 use crate::roadmap::Roadmap;
@@ -20,15 +23,12 @@ use crate::ways::{self, Explorer, Stage, Way, Ways};
 use clearway_collision::{CollisionModel, Contact, Moment, Scratch, Touch, World};
 use clearway_geometry::Vec2;
 use clearway_motion::{Posture, Trees};
-use clearway_plan::plan_file::{LowerBound, PlanFile, Segment, SideWhy, Timing};
+use clearway_plan::plan_file::{LowerBound, PlanFile};
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 use clearway_robot::{InverseKinematics, Placement, Robot};
 use clearway_scene::Scene;
-use rand::SeedableRng;
-use rand_xoshiro::Xoshiro256PlusPlus;
 use serde_json::json;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 /// The scene cannot be planned for at all.
 #[derive(Clone, Debug)]
@@ -73,37 +73,6 @@ pub struct Feasibility {
     homing: bool,
 }
 
-/// Motions planned so far, and what they are planned with.
-pub struct Journey {
-    random: Xoshiro256PlusPlus,
-    pub(crate) carried: Vec<Carried>,
-    /// The last motion that could not be had.
-    pub(crate) obstruction: Option<(ObjectId, &'static str)>,
-    /// Spent on motions.
-    spent: Duration,
-}
-
-impl Journey {
-    pub fn new(seed: u64) -> Self {
-        let random = Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x4d6f_7665);
-        Self { random, carried: Vec::new(), obstruction: None, spent: Duration::ZERO }
-    }
-
-    /// Counts the time that motions of another journey took.
-    pub fn took_as_well(&mut self, other: &Self) {
-        self.spent += other.spent;
-    }
-
-    /// Of planning that took so long in all.
-    pub fn timing(&self, total: Duration) -> Timing {
-        Timing {
-            total: total.as_secs_f64(),
-            task: total.saturating_sub(self.spent).as_secs_f64(),
-            motion: self.spent.as_secs_f64(),
-        }
-    }
-}
-
 /// What a search came to.
 #[derive(Clone, Debug)]
 pub enum Ending {
@@ -113,32 +82,6 @@ pub enum Ending {
     Impossible,
     /// Nothing is proved; without a reason the search had nothing left to try.
     Stopped(Option<Stop>),
-}
-
-/// An object that could be picked, but no motion was found.
-#[derive(Clone, Debug)]
-pub struct NoMotion {
-    pub object: ObjectId,
-    pub removed: ObjectSet,
-    /// Each with `removed`: rid of all of one, one of the ways tried may do.
-    pub blamed: Vec<ObjectSet>,
-}
-
-/// What carries objects at a stand; a macro, for it borrows only some of the fields.
-macro_rules! carrier {
-    ($self:ident, $stand:expr, $before:ident, $journey:ident, $budget:ident) => {
-        Carrier {
-            world: &$self.stands[$stand].world,
-            base: $before.base.clone(),
-            within: None,
-            scene: &$self.scene,
-            inverse: &$self.inverse,
-            settings: &$self.carrying,
-            random: &mut $journey.random,
-            budget: $budget,
-            trees: &mut $self.trees,
-        }
-    };
 }
 
 impl Feasibility {
@@ -259,31 +202,6 @@ impl Feasibility {
             }
         };
         if contacts.is_empty() { Ok(()) } else { Err(Unfit::StartInCollision(contacts)) }
-    }
-
-    /// Where a mobile base could stand round the target, where stops were chosen.
-    pub(crate) fn sides(&self) -> Vec<SideWhy> {
-        let chosen = self.base.as_ref().filter(|base| base.chosen);
-        let Some((base, standing)) = chosen.and_then(|base| Some((base, base.model.standing.as_ref()?))) else { return Vec::new() };
-        let served = Served::of(&self.scene, &self.stands[0].world);
-        base.sides(&standing.model.robot.home, &served, &standing.reachability)
-    }
-
-    /// Chooses the stops of a mobile base, if it has not been done.
-    pub(crate) fn choose_stops(&mut self) {
-        let Some(base) = self.base.as_mut().filter(|base| !base.chosen && base.settings.drives) else { return };
-        let Some(standing) = base.model.standing.clone() else { return };
-        base.chosen = true;
-        let served = Served::of(&self.scene, &self.stands[0].world);
-        let home = &standing.model.robot.home;
-        let (stops, sides) = mobile::choose(base, &self.scene, &served, &standing.reachability, home);
-        base.sides = sides;
-        for placement in stops {
-            self.stands.push(stand_at(&self.scene, &standing.model, base, placement));
-        }
-        for stand in &mut self.stands {
-            stand.spots = served.spots(&standing.reachability, &stand.world.world_from_root);
-        }
     }
 
     /// Whether there is a way to an object with `removed` gone.
@@ -429,241 +347,6 @@ impl Feasibility {
             }
         }
         Ok(true)
-    }
-
-    /// Plans the motions for objects that can all be picked in this order, steps of the journey that
-    /// begin alike kept; `taken` hears of each new one.
-    pub fn carry(
-        &mut self,
-        objects: &[ObjectId],
-        journey: &mut Journey,
-        budget: &Budget,
-        mut taken: impl FnMut(&str),
-    ) -> Result<Result<(), NoMotion>, Stop> {
-        let names = self.scene.names.clone();
-        let kept = journey.carried.iter().zip(objects).take_while(|(c, o)| c.step.object == names[o.index()]).count();
-        journey.carried.truncate(kept);
-        let stops = self.stops_for(objects, journey, budget)?;
-        for (i, &object) in objects.iter().enumerate().skip(kept) {
-            let removed: ObjectSet = objects[..i].iter().copied().collect();
-            let began = Instant::now();
-            let fallen = self.scene.fallen(self.scene.all().difference(removed.with(object)));
-            if !fallen.is_empty() {
-                journey.obstruction = Some((object, "taking it from under what would fall"));
-                return Ok(Err(NoMotion { object, removed, blamed: vec![fallen.union(removed)] }));
-            }
-            let carried = self.carry_one(object, &removed, stops[i - kept], journey, budget);
-            journey.spent += began.elapsed();
-            match carried? {
-                Ok(carried) => {
-                    taken(&names[object.index()]);
-                    journey.carried.push(carried);
-                }
-                Err(blamed) => {
-                    // Rid of what stood in the way, one of the ways tried may do.
-                    let blamed = blamed.into_iter().map(|b| b.union(removed)).collect();
-                    return Ok(Err(NoMotion { object, removed, blamed }));
-                }
-            }
-        }
-        Ok(Ok(()))
-    }
-
-    fn situation(&self, journey: &Journey) -> Situation {
-        journey.carried.last().map_or_else(|| self.start_situation(), |carried| carried.after.clone())
-    }
-
-    /// How things are before anything is done.
-    pub(crate) fn start_situation(&self) -> Situation {
-        Situation {
-            stand: 0,
-            base: self.base.as_ref().map_or(Vec::new(), |base| base.start.to_vec()),
-            posture: self.start.clone(),
-            standing: self.scene.all(),
-            placed: Vec::new(),
-        }
-    }
-
-    /// From which stands the rest of a sequence is best taken, in that order: with the fewest moves of the
-    /// base, and then the least driving.
-    fn stops_for(&mut self, objects: &[ObjectId], journey: &Journey, budget: &Budget) -> Result<Vec<usize>, Stop> {
-        let kept = journey.carried.len();
-        let left = &objects[kept..];
-        if self.stands.len() == 1 {
-            return Ok(vec![0; left.len()]);
-        }
-        let mut ways: Vec<WaysIn> = vec![vec![Vec::new(); self.scene.objects.len()]; self.stands.len()];
-        let mut removed: ObjectSet = objects[..kept].iter().copied().collect();
-        for &object in left {
-            for (stand, ways) in ways.iter_mut().enumerate() {
-                if !self.free_ways_from(stand, object, &removed, 1, budget)?.is_empty() {
-                    ways[object.index()].push(removed);
-                }
-            }
-            removed.insert(object);
-        }
-        let allowed = vec![vec![ObjectSet::EMPTY]; self.scene.objects.len()];
-        let gone = objects[..kept].iter().copied().collect();
-        let visits = self.errand(&ways, &allowed, left.iter().copied().collect(), gone, self.situation(journey).stand, left.last().copied(), budget)?;
-        let stop = |object: &ObjectId| visits.iter().flatten().find(|v| v.object == *object).map_or(0, |v| v.stop);
-        Ok(left.iter().map(stop).collect())
-    }
-
-    /// The cheapest order of some objects, from several stands.
-    #[allow(clippy::too_many_arguments)]
-    fn errand(
-        &self,
-        ways: &[WaysIn],
-        allowed: &WaysIn,
-        objects: ObjectSet,
-        gone: ObjectSet,
-        start: usize,
-        target: Option<ObjectId>,
-        budget: &Budget,
-    ) -> Result<Option<Vec<Visit>>, Stop> {
-        let (Some(base), Some(target)) = (&self.base, target) else { return Ok(None) };
-        let seconds = |a: &Stand, b: &Stand| base.seconds(&a.placement, &b.placement);
-        let drives: Vec<Vec<f64>> = self.stands.iter().map(|a| self.stands.iter().map(|b| seconds(a, b)).collect()).collect();
-        let puts: Vec<usize> = (0..self.stands.len()).map(|s| self.put_down_at(s).first().copied().unwrap_or(s)).collect();
-        let weights = base.weights;
-        Errand { ways, allowed, drives: &drives, puts: &puts, target, objects, gone, start, weights }.cheapest(budget)
-    }
-
-    /// Where what is taken at a stand may be put down: there if it has a place in reach, then the nearest ones.
-    fn put_down_at(&self, stand: usize) -> Vec<usize> {
-        let Some(base) = &self.base else { return vec![stand] };
-        let from = &self.stands[stand];
-        let mut order: Vec<usize> = (0..self.stands.len()).filter(|&s| self.stands[s].spots > 0.0).collect();
-        order.sort_by(|&a, &b| {
-            let seconds = |s: usize| if s == stand { -1.0 } else { base.seconds(&from.placement, &self.stands[s].placement) };
-            seconds(a).total_cmp(&seconds(b))
-        });
-        order
-    }
-
-    /// The cheapest order in which the objects of a set, or others known as well, lead to the target.
-    pub(crate) fn itinerary(&mut self, allowed: &WaysIn, set: &ObjectSet, budget: &Budget) -> Result<Option<Vec<ObjectId>>, Stop> {
-        if self.stands.len() == 1 {
-            return Ok(None);
-        }
-        let mut ways: Vec<WaysIn> = vec![vec![Vec::new(); self.scene.objects.len()]; self.stands.len()];
-        for object in set.iter() {
-            for (stand, ways) in ways.iter_mut().enumerate() {
-                let sets = self.minimal_sets_from(stand, object, set.len(), budget)?;
-                ways[object.index()] = sets;
-            }
-        }
-        let visits = self.errand(&ways, allowed, *set, ObjectSet::EMPTY, 0, Some(self.scene.target), budget)?;
-        Ok(visits.map(|visits| visits.into_iter().map(|v| v.object).collect()))
-    }
-
-    /// One object's motion along one of its free ways, from a stand if it can be; on failure what was blamed.
-    fn carry_one(
-        &mut self,
-        object: ObjectId,
-        removed: &ObjectSet,
-        stop: usize,
-        journey: &mut Journey,
-        budget: &Budget,
-    ) -> Result<Result<Carried, Vec<ObjectSet>>, Stop> {
-        let before = self.situation(journey);
-        let mut stops = vec![stop];
-        if self.stands.len() > 1 {
-            let others = (0..self.stands.len()).filter(|&s| s != stop);
-            stops.extend(others.filter(|&s| self.stands[s].ways[object.index()].is_some()));
-        }
-        let mut blamed = Vec::new();
-        for stop in stops {
-            match self.carry_from(stop, object, removed, &before, journey, budget)? {
-                Ok(carried) => return Ok(Ok(carried)),
-                Err(sets) => blamed.extend(sets),
-            }
-        }
-        Ok(Err(ObjectSet::minimal(blamed)))
-    }
-
-    /// The same from one stand, to which a mobile base drives if it is not there.
-    fn carry_from(
-        &mut self,
-        stop: usize,
-        object: ObjectId,
-        removed: &ObjectSet,
-        before: &Situation,
-        journey: &mut Journey,
-        budget: &Budget,
-    ) -> Result<Result<Carried, Vec<ObjectSet>>, Stop> {
-        const WAYS_TRIED: usize = 5;
-        // The target comes last; then the arm goes home.
-        let last = self.homing && object == self.scene.target;
-        let mut blamed = Vec::new();
-        if self.free_ways_from(stop, object, removed, 1, budget)?.is_empty() {
-            return Ok(Err(blamed));
-        }
-        let mut driven = Vec::new();
-        let mut before = before.clone();
-        if stop != before.stand {
-            match self.drive_to(stop, &before, journey, budget)? {
-                Ok((segments, there)) => (driven, before) = (segments, there),
-                Err(obstruction) => {
-                    journey.obstruction = Some((object, obstruction.what));
-                    return Ok(Err(Some(obstruction.blamed).filter(|b| !b.is_empty()).into_iter().collect()));
-                }
-            }
-        }
-        for tried in 0..WAYS_TRIED {
-            // Those that failed least come first.
-            let candidates = self.free_ways_from(stop, object, removed, tried + 1, budget)?;
-            let (Some(&Taking { way: index, .. }), true) = (candidates.first(), candidates.len() > tried) else { break };
-            let order = self.put_down_at(stop).into_iter().filter(|&s| s != stop).collect();
-            let Some(ways) = self.stands[stop].ways[object.index()].take() else { break };
-            let elsewhere = self.base.as_deref().filter(|base| base.settings.drives).map(|base| Elsewhere { base, stands: &self.stands, order });
-            let mut carrier = carrier!(self, stop, before, journey, budget);
-            let way = &ways.ways[index];
-            let taken = carrier.take(object, &ways.grasps[way.grasp], way, &before, last, elsewhere.as_ref());
-            let ways = self.stands[stop].ways[object.index()].insert(ways);
-            match taken? {
-                Ok(mut carried) => {
-                    ways.ways[index].failures = 0;
-                    carried.step.segments.splice(0..0, driven);
-                    return Ok(Ok(carried));
-                }
-                Err(obstruction) => {
-                    ways.ways[index].failures += 1;
-                    journey.obstruction = Some((object, obstruction.what));
-                    if !obstruction.blamed.is_empty() {
-                        blamed.push(obstruction.blamed);
-                    }
-                }
-            }
-        }
-        Ok(Err(blamed))
-    }
-
-    /// To another stand, the arm at rest.
-    #[allow(clippy::type_complexity)]
-    fn drive_to(
-        &mut self,
-        stop: usize,
-        before: &Situation,
-        journey: &mut Journey,
-        budget: &Budget,
-    ) -> Result<Result<(Vec<Segment>, Situation), Obstruction>, Stop> {
-        let Some(base) = &self.base else { return Ok(Ok((Vec::new(), before.clone()))) };
-        let mut carrier = carrier!(self, before.stand, before, journey, budget);
-        let mut segments = match carrier.tuck(before)? {
-            Ok(segments) => segments,
-            Err(obstruction) => return Ok(Err(obstruction)),
-        };
-        let home = self.stands[stop].world.model.robot.home.clone();
-        match base.drive(&mut carrier, before, &self.stands[stop].placement, &home, None)? {
-            Ok(drive) => {
-                let base = drive.positions.last().map_or(Vec::new(), |row| row[..before.base.len()].to_vec());
-                carrier.base.clear();
-                segments.push(carrier.transit(drive));
-                Ok(Ok((segments, Situation { stand: stop, base, posture: home, ..before.clone() })))
-            }
-            Err(obstruction) => Ok(Err(obstruction)),
-        }
     }
 
     /// A lower bound on the removals of every plan over the declared grasps; `removed`: those of a plan.
