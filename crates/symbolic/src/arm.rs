@@ -60,6 +60,7 @@ struct Placements {
 struct WaysGiven {
     count: usize,
     left: VecDeque<Way>,
+    looked: bool,
     all: bool,
 }
 
@@ -239,7 +240,8 @@ impl<'b> Arm<'b> {
         let mut given = self.ways.remove(inputs).unwrap_or_default();
         while given.left.is_empty() && !given.all {
             // A few first; all of them when those are spent.
-            given.all = given.count > 0;
+            given.all = given.looked;
+            given.looked = true;
             let ways = self.handling.ways(object, &at, &grasp, if given.all { usize::MAX } else { ENOUGH });
             given.all |= ways.len() < ENOUGH;
             let (open, shut): (Vec<Way>, Vec<Way>) = ways.into_iter().partition(|w| !w.blocked_by.intersects(&self.fixed));
