@@ -104,8 +104,9 @@ pub struct SymbolicArgs {
     /// Streams other than the built-in ones, which `clearway pddl streams` prints.
     #[arg(long, value_name = "STREAMS.pddl")]
     pub streams: Option<PathBuf>,
-    #[arg(long, value_enum, default_value = "focused")]
-    pub algorithm: AlgorithmKind,
+    /// How streams and symbols take turns; default: focused.
+    #[arg(long, value_enum)]
+    pub algorithm: Option<AlgorithmKind>,
     /// All objects may be moved from the start, not only those of removal sequences.
     #[arg(long)]
     pub all_movable: bool,
@@ -117,6 +118,18 @@ pub struct SymbolicArgs {
 impl SymbolicArgs {
     pub fn asked(&self) -> bool {
         self.goal.is_some() || self.symbolic
+    }
+
+    /// An option that is given in vain.
+    pub fn unused(&self) -> Option<&'static str> {
+        let given = [
+            ("--domain", self.domain.is_some()),
+            ("--streams", self.streams.is_some()),
+            ("--algorithm", self.algorithm.is_some()),
+            ("--all-movable", self.all_movable),
+            ("--fast-downward", self.fast_downward.is_some()),
+        ];
+        given.into_iter().find(|(_, given)| *given && !self.asked()).map(|(option, _)| option)
     }
 }
 

@@ -263,9 +263,9 @@ impl Handling {
         PlanFile { seed, timing, ..trace::handled(&self.arm, carried, goal) }
     }
 
-    /// No plan, for this reason.
-    pub fn no_plan(&self, impossible: bool, why: String, goal: Option<&str>, timing: Timing, seed: u64) -> PlanFile {
-        PlanFile { seed, timing, ..trace::not_handled(&self.arm, impossible, why, goal) }
+    /// No plan, for this reason; nothing is proved.
+    pub fn no_plan(&self, why: String, goal: Option<&str>, timing: Timing, seed: u64) -> PlanFile {
+        PlanFile { seed, timing, ..trace::not_handled(&self.arm, why, goal) }
     }
 
     /// The places that an object which stands like this is on.

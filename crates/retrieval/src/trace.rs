@@ -50,9 +50,8 @@ pub fn handled(arm: &Feasibility, carried: Vec<Carried>, goal: Option<&str>) -> 
 }
 
 /// No plan for a goal.
-pub fn not_handled(arm: &Feasibility, impossible: bool, why: String, goal: Option<&str>) -> PlanFile {
-    let status = if impossible { Status::Impossible } else { Status::OutOfBudget };
-    PlanFile { why: Why { summary: why, ..Why::default() }, goal: goal.map(str::to_owned), ..without_steps(arm, status) }
+pub fn not_handled(arm: &Feasibility, why: String, goal: Option<&str>) -> PlanFile {
+    PlanFile { why: Why { summary: why, ..Why::default() }, goal: goal.map(str::to_owned), ..without_steps(arm, Status::OutOfBudget) }
 }
 
 fn why_handled(arm: &Feasibility, removed: &[String], carried: &[Carried], has_goal: bool) -> Why {
@@ -76,7 +75,11 @@ fn why_handled(arm: &Feasibility, removed: &[String], carried: &[Carried], has_g
         ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..ObjectWhy::default() }
     });
     let what = if has_goal { "The goal is reached".to_owned() } else { format!("`{}` is had", names[arm.scene.target.index()]) };
-    let summary = format!("{what} with {} of {} objects moved, in {} steps.", removed.len(), names.len(), carried.len());
+    let steps = if carried.len() == 1 { "step" } else { "steps" };
+    let summary = match carried.is_empty() {
+        true => "The goal holds as things stand: there is nothing to do.".to_owned(),
+        false => format!("{what} with {} of {} objects moved, in {} {steps}.", removed.len(), names.len(), carried.len()),
+    };
     Why { summary, objects: objects.collect(), sides: Vec::new() }
 }
 

@@ -27,6 +27,9 @@ pub const PROVIDED: [Provided; 7] = [
     Provided { name: "test-cfree-pose", inputs: 4, outputs: 0 },
 ];
 
+/// What names of values begin with that no file can name.
+pub(crate) const GENERATED: char = '\0';
+
 /// Candidates looked at for one placement before one that something stands in the way of will do.
 const CANDIDATES: usize = 40;
 
@@ -279,10 +282,14 @@ impl Procedures for Arm<'_> {
             _ => None,
         };
         let (Some(thing), Some(output)) = (found, stream.outputs.first()) else { return Ok(None) };
-        let name = format!("{}-{}{}", values.name(inputs[0]), &output.name[1..], self.things.len());
+        let name = format!("{GENERATED}{}-{}{}", values.name(inputs[0]), &output.name[1..], self.things.len());
         let value = values.add(&name, output.of);
         self.know(value, thing);
         Ok(Some(vec![value]))
+    }
+
+    fn none(&self, stream: &Stream, inputs: &[Value]) -> bool {
+        stream.name == "sample-grasp" && self.object(inputs[0]).is_none_or(|object| self.fixed.contains(object))
     }
 
     fn test(&mut self, stream: &Stream, inputs: &[Value]) -> bool {

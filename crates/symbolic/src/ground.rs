@@ -5,7 +5,8 @@
 //! hold, and as far as what changes can come to hold at all.
 
 use crate::facts::{Fact, Facts, Slots, Value, Values, instantiate, value_of};
-use crate::pddl::{Action, Atom, Derived, Domain, Formula, Goal, PredicateId, Variable};
+use crate::pddl::{Action, Atom, Derived, Domain, Formula, Goal, PredicateId, Term, Variable};
+use clearway_plan::Budget;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// An atom of a [`Task`], and whether it holds.
@@ -51,8 +52,9 @@ pub struct TooManyAlternatives {
     pub of: String,
 }
 
-/// Alternatives of one precondition.
+/// Alternatives of one precondition, and values of variables that nothing static binds.
 const MOST_ALTERNATIVES: usize = 512;
+const MOST_BINDINGS: usize = 100_000;
 
 /// Disjunction of conjunctions.
 type Dnf = Vec<Vec<(Fact, bool)>>;
@@ -73,13 +75,33 @@ pub struct Grounder<'a> {
     /// Those that actions change.
     fluent: HashSet<PredicateId>,
     derived: HashMap<PredicateId, &'a Derived>,
+    /// When this is spent grounding ends with an error.
+    budget: Budget,
 }
 
 impl<'a> Grounder<'a> {
     pub fn new(domain: &'a Domain) -> Self {
         let fluent = domain.actions.iter().flat_map(|a| a.effects.iter().map(|e| e.atom.predicate)).collect();
         let derived = domain.derived.iter().map(|d| (d.predicate, d)).collect();
-        Self { domain, fluent, derived }
+        Self { domain, fluent, derived, budget: Budget::unlimited() }
+    }
+
+    #[must_use]
+    pub fn within(self, budget: &Budget) -> Self {
+        Self { budget: budget.clone(), ..self }
+    }
+
+    /// An error when time is up: whoever set the budget knows that it is not about alternatives.
+    fn check(&self, of: &str) -> Result<(), TooManyAlternatives> {
+        self.budget.check().map_err(|_| TooManyAlternatives { of: of.to_owned() })
+    }
+
+    /// Whether variables that nothing binds have more values together than anyone means to try.
+    fn too_many(&self, variables: &[Variable], bound: &[&Atom], values: &Values) -> bool {
+        let is_bound = |v: &&Variable| bound.iter().any(|a| a.terms.iter().any(|t| matches!(t, Term::Variable(slot) if *slot == v.slot)));
+        let free = variables.iter().filter(|v| !is_bound(v));
+        let counts = free.map(|v| values.all_of(&self.domain.types, v.of).count());
+        counts.fold(1usize, usize::saturating_mul) > MOST_BINDINGS
     }
 
     pub fn is_fluent(&self, predicate: PredicateId) -> bool {
@@ -98,8 +120,9 @@ impl<'a> Grounder<'a> {
             let before = pool.len();
             for (index, action) in self.domain.actions.iter().enumerate() {
                 let mut bindings = Vec::new();
-                self.bindings(action, values, &pool, known, &mut bindings);
+                self.bindings(action, values, &pool, known, &mut bindings)?;
                 for slots in bindings {
+                    self.check(&action.name)?;
                     let parameters: Vec<Value> = action.parameters.iter().filter_map(|p| slots[p.slot]).collect();
                     if !seen.insert((index, parameters.clone())) {
                         continue;
@@ -153,15 +176,26 @@ impl<'a> Grounder<'a> {
     }
 
     /// The bindings of an action's parameters for which the atoms that it needs could hold.
-    fn bindings(&self, action: &Action, values: &Values, pool: &Facts, known: &dyn Known, found: &mut Vec<Slots>) {
+    fn bindings(
+        &self,
+        action: &Action,
+        values: &Values,
+        pool: &Facts,
+        known: &dyn Known,
+        found: &mut Vec<Slots>,
+    ) -> Result<(), TooManyAlternatives> {
         let mut atoms = Vec::new();
         needed_atoms(&action.precondition, &mut atoms);
         let listed = |atom: &&Atom| !self.derived.contains_key(&atom.predicate) && !known.is_tested(atom.predicate);
         let atoms: Vec<&Atom> = atoms.into_iter().filter(listed).collect();
+        if self.too_many(&action.parameters, &atoms, values) {
+            return Err(TooManyAlternatives { of: action.name.clone() });
+        }
         let mut slots: Slots = vec![None; action.slots];
         pool.each_match(&atoms, &mut slots, values, &mut |slots| {
             self.each_typed(&action.parameters, slots, values, &mut |slots| found.push(slots.clone()));
         });
+        Ok(())
     }
 
     /// Calls `each` with every value of the right type for those of some variables that are free; bound ones
@@ -325,11 +359,11 @@ impl Asking<'_, '_> {
                 self.any(&mut parts.iter().map(|p| (p, slots.clone())), wanted)
             }
             (Formula::Forall(variables, body), true) | (Formula::Exists(variables, body), false) => {
-                let bindings = self.quantified(variables, body, slots, wanted);
+                let bindings = self.quantified(variables, body, slots, wanted)?;
                 self.all(&mut bindings.into_iter().map(|slots| (&**body, slots)), wanted)
             }
             (Formula::Forall(variables, body), false) | (Formula::Exists(variables, body), true) => {
-                let bindings = self.quantified(variables, body, slots, !wanted);
+                let bindings = self.quantified(variables, body, slots, !wanted)?;
                 self.any(&mut bindings.into_iter().map(|slots| (&**body, slots)), wanted)
             }
             (Formula::Equal(a, b), _) => {
@@ -362,7 +396,7 @@ impl Asking<'_, '_> {
 
     /// The bindings of quantified variables that matter: where the body says "if this static fact holds" only
     /// those for which it does. `universal`: the body is asked for all of them.
-    fn quantified(&self, variables: &[Variable], body: &Formula, slots: &Slots, universal: bool) -> Vec<Slots> {
+    fn quantified(&self, variables: &[Variable], body: &Formula, slots: &Slots, universal: bool) -> Option<Vec<Slots>> {
         let mut guards = Vec::new();
         if universal { antecedents(body, &mut guards) } else { needed_atoms(body, &mut guards) }
         let grounder = self.grounder;
@@ -370,13 +404,16 @@ impl Asking<'_, '_> {
             !grounder.is_fluent(a.predicate) && !grounder.derived.contains_key(&a.predicate) && !self.known.is_tested(a.predicate)
         };
         let guards: Vec<&Atom> = guards.into_iter().filter(listed).collect();
+        if grounder.too_many(variables, &guards, self.values) {
+            return None;
+        }
         let mut slots = slots.clone();
         variables.iter().for_each(|v| slots[v.slot] = None);
         let mut found = Vec::new();
         self.pool.each_match(&guards, &mut slots, self.values, &mut |slots| {
             self.grounder.each_typed(variables, slots, self.values, &mut |slots| found.push(slots.clone()));
         });
-        found
+        Some(found)
     }
 
     fn all<'f>(&mut self, parts: &mut dyn Iterator<Item = (&'f Formula, Slots)>, wanted: bool) -> Option<Dnf> {

@@ -61,7 +61,7 @@ impl Hopes {
         let declared = &store.streams[stream];
         let mut outputs = Vec::new();
         for output in &declared.outputs {
-            let name = format!("#{}{}", &output.name[1..], self.optimistic.len() + self.hopes.len());
+            let name = format!("{}#{}{}", crate::arm::GENERATED, &output.name[1..], self.optimistic.len() + self.hopes.len());
             let value = store.values.add(&format!("{name}-{}", store.domain.types.names[output.of.0]), output.of);
             if !found {
                 self.optimistic.insert(value);

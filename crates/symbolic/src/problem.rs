@@ -45,12 +45,14 @@ pub struct Answer {
 }
 
 /// The goal of a retrieval: the target on any place.
-pub fn retrieval(scene: &Scene) -> String {
-    let on = |place: &str| format!("(On {} {place})", scene.names[scene.target.index()]);
-    match scene.places.as_slice() {
-        [place] => on(&place.id),
-        places => format!("(or {})", places.iter().map(|p| on(&p.id)).collect::<Vec<_>>().join(" ")),
-    }
+pub fn retrieval(domain: &Domain, scene: &Scene) -> Option<Goal> {
+    let predicate = domain.predicate("On")?;
+    let target = &scene.names[scene.target.index()];
+    let on = |place: &str| {
+        Formula::Atom(Atom { predicate, terms: vec![Term::Constant(target.clone()), Term::Constant(place.to_owned())] })
+    };
+    let formula = Formula::Or(scene.places.iter().map(|p| on(&p.id)).collect());
+    Some(Goal { slots: 0, formula, text: format!("to have `{target}`") })
 }
 
 /// Among the objects of a sequence a search gives up before it has asked every stream for all it has.
@@ -63,11 +65,7 @@ pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget)
     let goal = with_empty_hand(asked.goal, asked.domain);
     let asked = &Asked { goal: &goal, ..*asked };
     let mut run = Run { handling, asked, budget, counts: Counts::default(), moving: Duration::ZERO, tries: 0, movable: 0 };
-    // Hopes merge what one stream may find; that this loses no plan is known of the built-in domain.
-    let ended = run.run().map_err(|no_plan| match no_plan {
-        NoPlan::Impossible if *asked.domain != crate::domain() => NoPlan::Hopeless,
-        no_plan => no_plan,
-    });
+    let ended = run.run();
     let Run { handling, counts, moving, tries, movable, .. } = run;
     let total = began.elapsed();
     let timing = Timing {
@@ -77,16 +75,15 @@ pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget)
     };
     let goal = Some(asked.goal.text.as_str()).filter(|_| !asked.retrieval);
     let (plan, stopped) = match ended {
-        Ok(carried) if carried.is_empty() => {
-            (handling.no_plan(false, format!("The goal {} holds as things stand: there is nothing to do.", asked.goal.text), goal, timing, seed), None)
-        }
+        // Nothing to do is a plan, too, but not one that has the target.
+        Ok(carried) if carried.is_empty() => (handling.plan_file(carried, Some(&asked.goal.text), timing, seed), None),
         Ok(carried) => (handling.plan_file(carried, goal, timing, seed), None),
         Err(no_plan) => {
             let stopped = match no_plan {
                 NoPlan::Stopped(stop) => Some(stop),
                 _ => None,
             };
-            (handling.no_plan(no_plan == NoPlan::Impossible, told(&no_plan, &asked.goal.text), goal, timing, seed), stopped)
+            (handling.no_plan(told(&no_plan, &asked.goal.text), goal, timing, seed), stopped)
         }
     };
     let stats = Stats { iterations: counts.engine_calls, samples: counts.stream_calls, sequences_tried: tries, ..Stats::default() };
@@ -95,11 +92,12 @@ pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget)
 
 fn told(no_plan: &NoPlan, goal: &str) -> String {
     match no_plan {
-        NoPlan::Impossible => {
-            format!("The goal {goal} cannot be reached by the domain's actions, whatever grasps, poses and motions there may be.")
-        }
-        NoPlan::Hopeless => format!(
-            "No plan for the goal {goal} was found even if every grasp, pose and motion asked for could be had: does it contradict itself? Nothing is proved."
+        // Hopes merge what a stream may find, so that this is no proof.
+        NoPlan::Impossible => format!(
+            "No plan reaches the goal {goal}, even if every grasp, pose and motion asked for could be had: does it contradict itself? Nothing is proved."
+        ),
+        NoPlan::Hopeless(why) => format!(
+            "No plan for the goal {goal} was found, even if every grasp, pose and motion asked for could be had; the symbolic engine gave up: {why}. Nothing is proved."
         ),
         NoPlan::Exhausted => format!("Everything that the streams found was tried, and the goal {goal} was not reached; nothing is proved."),
         NoPlan::Stopped(Stop::Cancelled) => format!("Interrupted before the goal {goal} was reached."),
@@ -151,7 +149,7 @@ impl Run<'_> {
                 match self.with(movable, Some(PATIENCE))? {
                     Ok(carried) => return Ok(carried),
                     // More objects to move will not mend a goal that cannot be.
-                    Err(Learned { no_plan: NoPlan::Impossible | NoPlan::Hopeless, .. }) => break,
+                    Err(Learned { no_plan: NoPlan::Impossible | NoPlan::Hopeless(_), .. }) => break,
                     Err(learned) => {
                         for (candidates, sequence) in candidates.iter_mut().zip(&sequences) {
                             learned.tell(candidates, sequence);
@@ -177,7 +175,7 @@ impl Run<'_> {
         let Asked { domain, streams, goal, algorithm, engine, .. } = *self.asked;
         let fixed = self.handling.scene().all().difference(movable);
         let mut arm = Arm::new(self.handling, fixed, self.budget);
-        let Begun { values, facts, state } = begin(domain, goal, &mut arm, movable, self.asked.retrieval).map_err(NoPlan::Engine)?;
+        let Begun { values, facts, state } = begin(domain, goal, &mut arm, self.asked.retrieval).map_err(NoPlan::Engine)?;
         let mut store = Store::new(domain, streams, values, facts, &mut arm);
         let mut search = Search::new(&mut store, engine, &state, goal, self.budget);
         search.patience = patience;
@@ -186,7 +184,14 @@ impl Run<'_> {
         self.counts = search.counts;
         self.moving += arm.moving;
         match found {
-            Ok(_) => Ok(Ok(arm.into_carried())),
+            Ok(solution) => {
+                let carried = arm.into_carried();
+                if carried.is_empty() && !solution.actions.is_empty() {
+                    let why = "its plan asks for no motions: which action needs `plan-motion`?".to_owned();
+                    return Err(NoPlan::Engine(why));
+                }
+                Ok(Ok(carried))
+            }
             Err(NoPlan::Stopped(stop)) => Err(NoPlan::Stopped(stop)),
             Err(no_plan) => {
                 let blamed = movable.iter().filter_map(|o| Some((o, arm.blamed(o)?))).collect();

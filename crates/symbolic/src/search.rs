@@ -32,8 +32,8 @@ pub struct Solution {
 pub enum NoPlan {
     /// Proved: not even if every stream gave whatever is asked of it.
     Impossible,
-    /// No plan was found even if every stream gave whatever is asked of it, but not all was looked at.
-    Hopeless,
+    /// No plan was found even if every stream gave whatever is asked of it, but the engine gave up, saying this.
+    Hopeless(String),
     /// No stream has anything more to give.
     Exhausted,
     Stopped(Stop),
@@ -45,12 +45,6 @@ pub enum NoPlan {
 impl From<Stop> for NoPlan {
     fn from(stop: Stop) -> Self {
         Self::Stopped(stop)
-    }
-}
-
-impl From<TooManyAlternatives> for NoPlan {
-    fn from(too_many: TooManyAlternatives) -> Self {
-        Self::TooMany(too_many)
     }
 }
 
@@ -79,8 +73,8 @@ pub struct Search<'s, 'a> {
     pub counts: Counts,
     /// Nothing was found yet, by streams or by the engine.
     first_try: bool,
-    /// The engine gave up on all actions.
-    unproved: bool,
+    /// What the engine said when it gave up.
+    unproved: Option<String>,
 }
 
 /// When a search gives up that could go on.
@@ -106,7 +100,7 @@ const THOROUGH_STATES: usize = 2_000;
 
 impl<'s, 'a> Search<'s, 'a> {
     pub fn new(store: &'s mut Store<'a>, engine: &'s dyn Engine, state: &'s [Fact], goal: &'s Goal, budget: &'s Budget) -> Self {
-        Self { store, engine, state, goal, budget, patience: None, counts: Counts::default(), first_try: true, unproved: false }
+        Self { store, engine, state, goal, budget, patience: None, counts: Counts::default(), first_try: true, unproved: None }
     }
 
     pub fn run(&mut self, algorithm: Algorithm) -> Result<Solution, NoPlan> {
@@ -124,7 +118,7 @@ impl<'s, 'a> Search<'s, 'a> {
             self.store.instantiate();
             let Some(sketch) = self.sketch(true, thorough)? else {
                 if self.first_try {
-                    return Err(if self.unproved { NoPlan::Hopeless } else { NoPlan::Impossible });
+                    return Err(self.unproved.take().map_or(NoPlan::Impossible, NoPlan::Hopeless));
                 }
                 if !self.gave_up() && self.ask_again()? {
                     continue;
@@ -154,6 +148,7 @@ impl<'s, 'a> Search<'s, 'a> {
         for level in 1.. {
             // Every instance is asked so often, those made of what others found as well.
             loop {
+                self.budget.iteration()?;
                 self.store.instantiate();
                 let due = |i: &usize| {
                     let instance = &self.store.instances[*i];
@@ -193,13 +188,13 @@ impl<'s, 'a> Search<'s, 'a> {
         let hopes = Hopes::of(self.store, all);
         let values = self.store.values.clone();
         let (facts, optimistic) = (hopes.facts.clone(), hopes.optimistic.clone());
-        let grounder = Grounder::new(self.store.domain);
+        let grounder = Grounder::new(self.store.domain).within(self.budget);
         let mut hoping = Hoping { store: &mut *self.store, facts, optimistic };
-        let task = grounder.task(&values, self.state, &mut hoping, self.goal)?;
+        let task = grounder.task(&values, self.state, &mut hoping, self.goal).map_err(|e| self.too_many(e))?;
         let (few, kept) = relevance::with_only(&task, &relevance::relevant(&task));
         let mut answer = match self.solve(&few, STATES) {
-            Err(NoPlan::Engine(_)) => {
-                self.unproved = true;
+            Err(NoPlan::Engine(why)) => {
+                self.unproved = Some(why);
                 None
             }
             answer => answer?,
@@ -208,14 +203,19 @@ impl<'s, 'a> Search<'s, 'a> {
             plan.iter_mut().for_each(|a| *a = kept[*a]);
         } else if thorough && kept.len() < task.actions.len() {
             answer = match self.solve(&task, THOROUGH_STATES) {
-                Err(NoPlan::Engine(_)) => {
-                    self.unproved = true;
+                Err(NoPlan::Engine(why)) => {
+                    self.unproved = Some(why);
                     None
                 }
                 answer => answer?,
             };
         }
         Ok(answer.map(|plan| Sketch { task, plan, hopes }))
+    }
+
+    /// Why grounding ended: time was up, or there was too much of something.
+    fn too_many(&self, error: TooManyAlternatives) -> NoPlan {
+        self.budget.check().err().map_or(NoPlan::TooMany(error), NoPlan::Stopped)
     }
 
     /// A plan; `None`: there is none.
@@ -266,9 +266,9 @@ impl<'s, 'a> Search<'s, 'a> {
         let optimistic = hopes.optimistic.iter().filter(|v| !found.contains_key(v)).copied().collect();
         let actions: Vec<(usize, Vec<Value>)> =
             plan.iter().map(|a| (task.actions[*a].action, task.actions[*a].values.iter().map(is).collect())).collect();
-        let grounder = Grounder::new(self.store.domain);
+        let grounder = Grounder::new(self.store.domain).within(self.budget);
         let mut hoping = Hoping { store: &mut *self.store, facts, optimistic };
-        Ok(grounder.does(&actions, &values, self.state, &mut hoping, self.goal)?)
+        grounder.does(&actions, &values, self.state, &mut hoping, self.goal).map_err(|e| self.too_many(e))
     }
 
     /// Asks the streams with fluents that a plan needs, each in its state. The first that fails rests; so does the

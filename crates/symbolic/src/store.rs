@@ -13,6 +13,8 @@ use std::collections::{HashMap, HashSet};
 pub trait Procedures {
     /// The next outputs for these inputs, as new values; `None`: there are no more.
     fn next(&mut self, stream: &Stream, inputs: &[Value], values: &mut Values) -> Result<Option<Vec<Value>>, Stop>;
+    /// Whether there are no outputs for these inputs, told without looking for any.
+    fn none(&self, stream: &Stream, inputs: &[Value]) -> bool;
     /// Of a stream without outputs.
     fn test(&mut self, stream: &Stream, inputs: &[Value]) -> bool;
     /// A plan is about to be carried out from the beginning.
@@ -86,15 +88,12 @@ impl<'a> Store<'a> {
     /// The instance of a stream with real inputs, new or known.
     pub fn instance(&mut self, stream: usize, inputs: Vec<Value>) -> usize {
         let (index, instances) = (&mut self.index, &mut self.instances);
+        let (streams, procedures) = (self.streams, &*self.procedures);
         *index.entry((stream, inputs)).or_insert_with_key(|(stream, inputs)| {
-            instances.push(Instance { stream: *stream, inputs: inputs.clone(), asked: 0, exhausted: false, rests: false });
+            let exhausted = procedures.none(&streams[*stream], inputs);
+            instances.push(Instance { stream: *stream, inputs: inputs.clone(), asked: 0, exhausted, rests: false });
             instances.len() - 1
         })
-    }
-
-    /// Whether there is an instance of a stream with these inputs.
-    pub fn has_instance(&self, stream: usize, inputs: &Vec<Value>) -> bool {
-        self.index.contains_key(&(stream, inputs.clone()))
     }
 
     /// All inputs for which a stream's domain holds among some facts.

@@ -1,16 +1,22 @@
 //! A scene told in facts: what there is, where it stands and what it stands on.
 
-use crate::arm::{Arm, Thing, type_named};
+use crate::arm::{Arm, GENERATED, Thing, type_named};
 use crate::facts::{Fact, Facts, Value, Values};
-use crate::pddl::{Constant, Domain, Formula, Goal, PredicateId, Term, Types};
+use crate::pddl::{Constant, Domain, Formula, Goal, PredicateId, Stream, Term, Types};
 use clearway_geometry::Pose;
-use clearway_plan::{ObjectId, ObjectSet};
+use clearway_plan::ObjectId;
 use clearway_retrieval::handling::{Handling, Surface};
 
 /// What a scene's things are called in PDDL, and their types.
 pub fn constants(domain: &Domain, handling: &Handling) -> Result<Vec<Constant>, String> {
     let scene = handling.scene();
     let (item, place, shelf) = (type_named(domain, "item")?, type_named(domain, "place")?, type_named(domain, "shelf")?);
+    let shelf_names = handling.shelves().into_iter().map(|i| &scene.fixtures[i].id);
+    let names: Vec<&String> = scene.names.iter().chain(scene.places.iter().map(|p| &p.id)).chain(shelf_names).collect();
+    if let Some((i, name)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+        debug_assert!(i > 0);
+        return Err(format!("the scene gives the name `{name}` to two of its objects, places and shelves, which a goal could not tell apart"));
+    }
     let items = scene.names.iter().map(|name| Constant { name: name.clone(), of: item });
     let places = scene.places.iter().map(|p| Constant { name: p.id.clone(), of: place });
     let shelves = handling.shelves().into_iter().map(|i| Constant { name: scene.fixtures[i].id.clone(), of: shelf });
@@ -59,15 +65,57 @@ impl Vocabulary {
     }
 }
 
-/// Whether a domain has what a scene is told with.
-pub fn check(domain: &Domain) -> Result<(), String> {
+/// Whether a domain has what a scene is told with, and goes together with its streams.
+pub fn check(domain: &Domain, streams: &[Stream]) -> Result<(), String> {
     ["item", "place", "shelf", "pose"].into_iter().try_for_each(|name| type_named(domain, name).map(|_| ()))?;
+    if let Some(stream) = streams.iter().find(|s| (s.name == "plan-motion") == s.fluents.is_empty()) {
+        let needs = if stream.fluents.is_empty() { "needs" } else { "has no use for" };
+        return Err(format!("the stream `{}` {needs} `:fluents`: motions are planned in a state", stream.name));
+    }
+    // What streams find is asked for where an action plainly needs it, and nowhere else.
+    let found = streams.iter().filter(|s| !s.outputs.is_empty()).flat_map(|s| s.certified.iter().map(|a| a.predicate));
+    let found: Vec<PredicateId> = found.collect();
+    let hidden = |formula: &Formula| hidden(formula, true, &found).map(|p| domain.predicates[p.0].name.clone());
+    let told = |name: String, whose: String| {
+        format!("`{name}`, which a stream certifies, is under `or`, `exists` or in a derived predicate of {whose}: it must be a plain part of an action's `and`")
+    };
+    for action in &domain.actions {
+        let formulas = std::iter::once(&action.precondition).chain(action.effects.iter().map(|e| &e.condition));
+        if let Some(name) = formulas.filter_map(&hidden).next() {
+            return Err(told(name, format!("the action `{}`", action.name)));
+        }
+    }
+    for derived in &domain.derived {
+        if let Some(predicate) = anywhere(&derived.body, &found) {
+            return Err(told(domain.predicates[predicate.0].name.clone(), format!("`{}`", domain.predicates[derived.predicate.0].name)));
+        }
+    }
     Vocabulary::of(domain).map(|_| ())
 }
 
-/// Tells the scene, with only these objects movable: the others are not mentioned. With `retrieval` nothing is put down but
-/// on places.
-pub fn begin(domain: &Domain, goal: &Goal, arm: &mut Arm, movable: ObjectSet, retrieval: bool) -> Result<Begun, String> {
+/// A predicate of `found` that a formula asks for otherwise than plainly; guards, as the antecedent of `imply`, are none.
+fn hidden(formula: &Formula, plain: bool, found: &[PredicateId]) -> Option<PredicateId> {
+    match formula {
+        Formula::And(parts) => parts.iter().find_map(|p| hidden(p, plain, found)),
+        Formula::Or(parts) => parts.iter().find_map(|p| hidden(p, false, found)),
+        Formula::Forall(_, inner) | Formula::Exists(_, inner) => hidden(inner, false, found),
+        Formula::Atom(atom) if !plain => found.contains(&atom.predicate).then_some(atom.predicate),
+        Formula::Not(_) | Formula::Atom(_) | Formula::Equal(..) => None,
+    }
+}
+
+/// A predicate of `found` anywhere in a formula.
+fn anywhere(formula: &Formula, found: &[PredicateId]) -> Option<PredicateId> {
+    match formula {
+        Formula::And(parts) | Formula::Or(parts) => parts.iter().find_map(|p| anywhere(p, found)),
+        Formula::Not(inner) | Formula::Forall(_, inner) | Formula::Exists(_, inner) => anywhere(inner, found),
+        Formula::Atom(atom) => found.contains(&atom.predicate).then_some(atom.predicate),
+        Formula::Equal(..) => None,
+    }
+}
+
+/// Tells the scene. With `retrieval` nothing is put down but on places.
+pub fn begin(domain: &Domain, goal: &Goal, arm: &mut Arm, retrieval: bool) -> Result<Begun, String> {
     let Vocabulary { home, pose, supported, rests, surface, stackable, at_pose, on, hand_empty } = Vocabulary::of(domain)?;
     let of_pose = type_named(domain, "pose")?;
     let mut values = Values::default();
@@ -83,12 +131,13 @@ pub fn begin(domain: &Domain, goal: &Goal, arm: &mut Arm, movable: ObjectSet, re
         let of = constants.iter().find(|c| c.name == name).map_or(Types::OBJECT, |c| c.of);
         values.add(name, of)
     };
-    let items: Vec<(ObjectId, Value, Value)> = movable
+    let items: Vec<(ObjectId, Value, Value)> = scene
+        .all()
         .iter()
         .map(|object| {
             let name = &scene.names[object.index()];
             let item = named(&mut values, name);
-            let at = values.add(&format!("{name}-home"), of_pose);
+            let at = values.add(&format!("{GENERATED}{name}-home"), of_pose);
             arm.know(item, Thing::Item(object));
             arm.know(at, Thing::Pose(object, scene.objects[object.index()].pose));
             (object, item, at)
@@ -122,8 +171,11 @@ pub fn begin(domain: &Domain, goal: &Goal, arm: &mut Arm, movable: ObjectSet, re
         state.push(fact(at_pose, &[*item, *at]));
         let where_it_is = &scene.objects[object.index()].pose;
         let under = arm.handling.rests(*object, where_it_is, &poses);
-        let mut supports: Vec<Value> = shelves.iter().filter(|(i, _)| under.fixtures.contains(i)).map(|(_, v)| *v).collect();
-        supports.extend(arm.handling.places_under(*object, where_it_is).into_iter().map(|i| places[i]));
+        // A place is named for itself, not for the fixture below it, as it is for what is put there later.
+        let mut supports: Vec<Value> = arm.handling.places_under(*object, where_it_is).into_iter().map(|i| places[i]).collect();
+        if supports.is_empty() {
+            supports.extend(shelves.iter().filter(|(i, _)| under.fixtures.contains(i)).map(|(_, v)| *v));
+        }
         for (other, below, at_below) in items.iter().filter(|(o, ..)| under.objects.contains(*o)) {
             debug_assert_ne!(other, object);
             supports.push(*below);
@@ -137,21 +189,31 @@ pub fn begin(domain: &Domain, goal: &Goal, arm: &mut Arm, movable: ObjectSet, re
     let mut pairs = Vec::new();
     stacked(&goal.formula, on, &mut pairs);
     for (above, below) in pairs {
-        if let (Some(above), Some(below)) = (values.named(above), values.named(below)) {
-            facts.insert(fact(stackable, &[above, below]));
+        let among = |name: Option<&str>| -> Vec<Value> {
+            let named = name.map(|name| values.named(name));
+            items.iter().map(|(_, item, _)| *item).filter(|item| named.is_none_or(|n| n == Some(*item))).collect()
+        };
+        for above in among(above) {
+            for below in among(below).into_iter().filter(|below| *below != above) {
+                facts.insert(fact(stackable, &[above, below]));
+            }
         }
     }
     Ok(Begun { values, facts, state })
 }
 
-/// The pairs that a goal has one on the other: what `On` says of two objects.
-fn stacked<'f>(formula: &'f Formula, on: PredicateId, pairs: &mut Vec<(&'f str, &'f str)>) {
+/// What a goal may have on what: `On`'s arguments, `None` for variables.
+fn stacked<'f>(formula: &'f Formula, on: PredicateId, pairs: &mut Vec<(Option<&'f str>, Option<&'f str>)>) {
     match formula {
         Formula::And(parts) | Formula::Or(parts) => parts.iter().for_each(|p| stacked(p, on, pairs)),
         Formula::Not(inner) | Formula::Forall(_, inner) | Formula::Exists(_, inner) => stacked(inner, on, pairs),
         Formula::Atom(atom) if atom.predicate == on => {
-            if let [Term::Constant(above), Term::Constant(below)] = atom.terms.as_slice() {
-                pairs.push((above, below));
+            let name = |term: &'f Term| match term {
+                Term::Constant(name) => Some(name.as_str()),
+                Term::Variable(_) => None,
+            };
+            if let [above, below] = atom.terms.as_slice() {
+                pairs.push((name(above), name(below)));
             }
         }
         Formula::Atom(_) | Formula::Equal(..) => {}

@@ -46,7 +46,7 @@ fn text(plan: &PlanFile) -> String {
     out += &drives(plan);
     let s = &plan.stats;
     // No retrieval graph, but symbols and streams.
-    if s.retrieval_nodes == 0 && s.exploration_limit == 0 {
+    if plan.trace.is_none() && s.retrieval_nodes == 0 {
         out += &format!(
             "\n{} symbolic plans, {} streams asked, {} sets of movable objects tried\n",
             s.iterations, s.samples, s.sequences_tried

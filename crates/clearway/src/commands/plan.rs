@@ -45,6 +45,9 @@ pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
         progress.clear();
         return finish(outcome.map_err(|u| unfit(&args.scene, &u))?, args.output.as_deref(), args.html.as_deref(), &directory, args.json);
     }
+    if let Some(option) = args.symbolic.unused() {
+        return Err(Failure::bad_input(format!("{option} is for plans with --goal or --symbolic")));
+    }
     if args.symbolic.asked() {
         if args.improve.is_some() {
             return Err(Failure::bad_input("--improve is for plans that have the target, without --goal and --symbolic".to_owned()));

@@ -67,7 +67,8 @@ pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> Stri
     let mut out = verdict(plan) + "\n";
     if plan.status == Status::Solved {
         match plan.goal {
-            Some(_) => out += &format!("  moved {} objects in {} steps\n", plan.removed.len(), plan.steps.len()),
+            Some(_) if plan.steps.is_empty() => out += "  the goal holds as things stand\n",
+            Some(_) => out += &format!("  moved {} in {}\n", count(plan.removed.len(), "object"), count(plan.steps.len(), "step")),
             None => out += &format!("  removed {}{}\n", plan.removed.len(), bound(plan)),
         }
         for step in &plan.why.objects {
@@ -96,6 +97,10 @@ pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> Stri
         }
     }
     out
+}
+
+fn count(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 fn bound(plan: &PlanFile) -> String {

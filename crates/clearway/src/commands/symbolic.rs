@@ -20,18 +20,24 @@ pub fn solve(args: &SymbolicArgs, handling: &mut Handling, request: &Request, di
         None => pddl::streams(&domain)?,
     };
     let named = args.domain.as_deref().unwrap_or(Path::new("the built-in domain"));
-    pddl::check(&domain).map_err(|why| FileError::new(named, why).help("`clearway pddl domain` prints one that has it"))?;
+    pddl::check(&domain, &streams).map_err(|why| FileError::new(named, why).help("`clearway pddl domain` and `streams` print what is built in"))?;
     let known = pddl::constants(&domain, handling).map_err(|why| FileError::new(named, why))?;
-    let (path, text) = match &args.goal {
-        Some(goal) if goal.trim_start().starts_with('(') => (PathBuf::from(GIVEN), goal.clone()),
-        Some(file) => (PathBuf::from(file), read_text(Path::new(file), &Limits::DOCUMENT)?),
-        None => (PathBuf::from(GIVEN), pddl::retrieval(handling.scene())),
+    let goal = match &args.goal {
+        Some(goal) if goal.trim_start().starts_with('(') => Goal::read(Path::new(GIVEN), goal, &domain, &known)?,
+        Some(file) => {
+            let formula = "a goal is a file, or a formula, which begins with `(`";
+            let text = read_text(Path::new(file), &Limits::DOCUMENT).map_err(|e| if Path::new(file).exists() { e } else { e.help(formula) })?;
+            Goal::read(Path::new(file), &text, &domain, &known)?
+        }
+        None => pddl::retrieval(&domain, handling.scene()).ok_or_else(|| FileError::new(named, "the domain has no predicate `On`"))?,
     };
-    let goal = Goal::read(&path, &text, &domain, &known)?;
     let algorithm = match args.algorithm {
-        AlgorithmKind::Focused => Algorithm::Focused,
-        AlgorithmKind::Incremental => Algorithm::Incremental,
+        None | Some(AlgorithmKind::Focused) => Algorithm::Focused,
+        Some(AlgorithmKind::Incremental) => Algorithm::Incremental,
     };
+    if let Some(driver) = args.fast_downward.as_deref().filter(|driver| !driver.is_file()) {
+        return Err(FileError::new(driver, "no such file").expected("Fast Downward's driver script, `fast-downward.py`").into());
+    }
     let downward = args.fast_downward.clone().map(|driver| FastDownward { python: PathBuf::from("python3"), driver });
     let engine: &dyn Engine = match &downward {
         Some(downward) => downward,

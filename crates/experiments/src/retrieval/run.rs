@@ -18,10 +18,8 @@ use clearway_robot::Robot;
 use clearway_scenarios::{self as scenarios, Wanted};
 use clearway_scene::Scene;
 use clearway_symbolic::engine::Ferroplan;
-use clearway_symbolic::pddl::Goal;
 use clearway_symbolic::problem::{self, Asked};
 use clearway_symbolic::search::Algorithm;
-use clearway_symbolic::telling;
 use clearway_symbolic as symbolic;
 use clearway_verify::verify;
 use sha2::{Digest, Sha256};
@@ -144,9 +142,7 @@ impl Bench {
         let domain = symbolic::domain();
         let streams = symbolic::streams(&domain).map_err(Unmade::Read)?;
         let mut handling = Handling::new(scene, model, settings(case), request.seed).map_err(Unmade::Unfit)?;
-        let known = telling::constants(&domain, &handling).unwrap_or_default();
-        let goal = problem::retrieval(handling.scene());
-        let goal = Goal::read(Path::new("the target on a place"), &goal, &domain, &known).map_err(Unmade::Read)?;
+        let goal = problem::retrieval(&domain, handling.scene()).ok_or_else(|| Unmade::Read(FileError::new("", "no goal")))?;
         let algorithm = match case.planner {
             TaskPlanner::StreamsIncremental => Algorithm::Incremental,
             _ => Algorithm::Focused,

@@ -14,14 +14,18 @@ use std::time::Duration;
 pub struct Ferroplan {
     /// Nodes of A\* before the fewest actions are given up for some.
     pub optimal_nodes: usize,
+    /// At most so many nodes times actions.
+    pub optimal_work: usize,
 }
 
 impl Default for Ferroplan {
     fn default() -> Self {
-        Self { optimal_nodes: 4_000 }
+        Self { optimal_nodes: 4_000, optimal_work: 400_000 }
     }
 }
 
+/// Nodes looked at for the fewest actions however large a task is.
+const FEW_NODES: usize = 50;
 /// How long it may take until a cancelled search ends: milliseconds.
 const POLL: Duration = Duration::from_millis(20);
 
@@ -56,7 +60,9 @@ impl Engine for Ferroplan {
 impl Ferroplan {
     fn search(&self, task: &Task, states: usize, budget: &Budget, go_on: &Arc<AtomicBool>) -> Answer {
         let text = Text::of(task);
-        match fewest(&text, self.optimal_nodes.min(states)) {
+        // The larger the task, the longer a node takes.
+        let nodes = (self.optimal_work / task.actions.len().max(1)).clamp(FEW_NODES, self.optimal_nodes).min(states);
+        match fewest(&text, nodes) {
             Ok(Answer::GaveUp(_)) => {}
             Ok(answer) => return answer,
             Err(error) => return Answer::GaveUp(error),

@@ -25,8 +25,8 @@ use parry3d_f64::math::Pose;
 use polygon::{outside, widened};
 use stack::{Carrier, Stack};
 
-/// Patches are wider by this, along x and along y, metres.
-const LENIENT: f64 = 3.5e-4;
+/// Patches are wider by this, along x and along y, metres: more than what scenes are forgiven.
+const LENIENT: f64 = 5.5e-4;
 
 /// What stands, judged whenever it changes.
 pub(crate) struct Stability<'a> {
