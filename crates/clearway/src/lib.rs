@@ -42,7 +42,7 @@ pub mod pddl {
     pub use clearway_symbolic::engine::{Engine, FastDownward, Ferroplan};
     pub use clearway_symbolic::pddl::{Constant, Domain, Goal, Stream};
     pub use clearway_symbolic::problem::{Answer, Asked, retrieval};
-    pub use clearway_symbolic::telling::{check, constants};
+    pub use clearway_symbolic::telling::{check, check_goal, constants};
     pub use clearway_symbolic::search::Algorithm;
     pub use clearway_symbolic::{DOMAIN, STREAMS, domain, streams};
 }

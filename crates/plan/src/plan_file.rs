@@ -52,7 +52,8 @@ pub struct PlanFile {
 impl PlanFile {
     /// Seconds of motion.
     pub fn duration(&self) -> f64 {
-        self.steps.iter().flat_map(|s| &s.segments).filter_map(|s| s.times.last()).sum()
+        // Nothing adds up to -0.
+        self.steps.iter().flat_map(|s| &s.segments).filter_map(|s| s.times.last()).fold(0.0, |sum, last| sum + last)
     }
 
     /// Where a mobile base drives, in order: between stops, whatever is stopped at in between.

@@ -93,6 +93,15 @@ pub fn check(domain: &Domain, streams: &[Stream]) -> Result<(), String> {
     Vocabulary::of(domain).map(|_| ())
 }
 
+/// Whether a goal asks for nothing that only streams know.
+pub fn check_goal(domain: &Domain, streams: &[Stream], goal: &Goal) -> Result<(), String> {
+    let found: Vec<PredicateId> = streams.iter().flat_map(|s| s.certified.iter().map(|a| a.predicate)).collect();
+    match anywhere(&goal.formula, &found) {
+        Some(predicate) => Err(format!("the goal asks for `{}`, which streams certify", domain.predicates[predicate.0].name)),
+        None => Ok(()),
+    }
+}
+
 /// A predicate of `found` that a formula asks for otherwise than plainly; guards, as the antecedent of `imply`, are none.
 fn hidden(formula: &Formula, plain: bool, found: &[PredicateId]) -> Option<PredicateId> {
     match formula {

@@ -48,6 +48,7 @@ impl Observer for Progress {
 /// How it ended, in a line.
 pub fn verdict(plan: &PlanFile) -> String {
     match plan.status {
+        Status::Solved if plan.steps.is_empty() => "solved: nothing to do".to_owned(),
         Status::Solved => format!("solved: {}", order(plan).join(" → ")),
         Status::Impossible => format!("impossible: {}", plan.why.summary),
         Status::OutOfBudget => format!("no plan: {}", plan.why.summary),

@@ -35,6 +35,8 @@ pub fn solve(args: &SymbolicArgs, handling: &mut Handling, request: &Request, di
         None | Some(AlgorithmKind::Focused) => Algorithm::Focused,
         Some(AlgorithmKind::Incremental) => Algorithm::Incremental,
     };
+    let asked_in = Path::new(args.goal.as_deref().filter(|g| !g.trim_start().starts_with('(')).unwrap_or(GIVEN));
+    pddl::check_goal(&domain, &streams, &goal).map_err(|why| FileError::new(asked_in, why).expected("what actions change, or is derived from that"))?;
     if let Some(driver) = args.fast_downward.as_deref().filter(|driver| !driver.is_file()) {
         return Err(FileError::new(driver, "no such file").expected("Fast Downward's driver script, `fast-downward.py`").into());
     }

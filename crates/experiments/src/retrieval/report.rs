@@ -708,6 +708,6 @@ mod tests {
             }
             assert!(open.is_empty(), "{name}: {open:?}");
         }
-        assert_eq!(report.files.iter().filter(|(name, _)| name.ends_with(".svg")).count(), 8);
+        assert_eq!(report.files.iter().filter(|(name, _)| name.ends_with(".svg")).count(), 9);
     }
 }

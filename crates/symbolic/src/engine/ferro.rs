@@ -77,7 +77,7 @@ impl Ferroplan {
         match solution.plan.filter(|_| solution.solved) {
             Some(plan) => named(plan.steps.iter().map(|s| s.action.as_str())),
             None if solution.notes.iter().any(|n| n.contains("unsolvable at grounding")) => Answer::Unsolvable,
-            None => Answer::GaveUp(solution.notes.join("; ")),
+            None => Answer::GaveUp(format!("none found among {} states", solution.statistics.evaluated_states)),
         }
     }
 }
