@@ -2,7 +2,7 @@
 //!
 //! Backwards from the goal: an action matters when it brings about something wanted that is not so at first, and
 //! then what it needs is wanted too. What holds at first and is undone on the way (an empty hand) is restored by
-//! whatever else such actions make possible. Plans that need more than that are missed: where none is found, all
+//! what follows on such actions: needs something that they bring about. Plans that need more than that are missed: where none is found, all
 //! actions are to be tried.
 
 use crate::ground::{Literal, Task};
@@ -25,8 +25,9 @@ pub fn relevant(task: &Task) -> Vec<bool> {
         }
         for (action, matters) in task.actions.iter().zip(&mut matters).filter(|(_, m)| !**m) {
             let mut effects = action.adds.iter().map(|a| (*a, true)).chain(action.deletes.iter().map(|d| (*d, false)));
-            let possible = || action.precondition.iter().all(|l| holds_at_first(l) || brought.contains(l));
-            let does = |l: Literal| wanted.contains(&l) && (!holds_at_first(&l) || undone.contains(&l) && possible());
+            let mut open = action.precondition.iter().filter(|l| !holds_at_first(l)).peekable();
+            let follows = open.peek().is_none() || open.any(|l| brought.contains(l));
+            let does = |l: Literal| wanted.contains(&l) && (!holds_at_first(&l) || undone.contains(&l) && follows);
             if effects.any(does) {
                 *matters = true;
                 wanted.extend(action.precondition.iter().copied());

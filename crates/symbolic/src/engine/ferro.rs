@@ -61,7 +61,7 @@ impl Ferroplan {
     fn search(&self, task: &Task, states: usize, budget: &Budget, go_on: &Arc<AtomicBool>) -> Answer {
         let text = Text::of(task);
         // The larger the task, the longer a node takes.
-        let nodes = (self.optimal_work / task.actions.len().max(1)).clamp(FEW_NODES, self.optimal_nodes).min(states);
+        let nodes = (self.optimal_work / task.actions.len().max(1)).max(FEW_NODES).min(self.optimal_nodes).min(states);
         match fewest(&text, nodes) {
             Ok(Answer::GaveUp(_)) => {}
             Ok(answer) => return answer,
