@@ -262,6 +262,34 @@ def overlapping_at_the_start(plan):
     plan["scene"]["objects"].append({"id": "d", "cylinder": shape, "position": [0.5, -0.2, 0.06]})
 
 
+def stack(plan, *shifts):
+    """Flat blocks on each other, out of the way, each so far along x from where the stack is."""
+    size = [0.06, 0.06, 0.03]
+    for i, shift in enumerate(shifts):
+        at = [0.45 + shift, -0.2, 0.015 + 0.03 * i]
+        plan["scene"]["objects"].append({"id": f"s{i}", "box": {"size": size}, "position": at})
+
+
+def stacked_too_far_out(plan):
+    stack(plan, 0.0, 0.032)
+
+
+def stacked_by_and_by_too_far_out(plan):
+    """No block falls off the one below it by itself."""
+    stack(plan, 0.0, 0.025, 0.05)
+
+
+def plank_on_what_is_taken(plan):
+    """It lies on a and on another, and stays on that alone."""
+    other = {"id": "c", "box": {"size": [0.06, 0.06, 0.12]}, "position": [0.0, -0.1, 0.06]}
+    plank = {"id": "d", "box": {"size": [0.02, 0.14, 0.02]}, "position": [0.0, -0.05, 0.13]}
+    plan["scene"]["objects"] += [other, plank]
+
+
+def goal_is_no_text(plan):
+    plan["goal"] = ["On", "a", "tray"]
+
+
 def put_down_into_another(plan):
     plan["scene"]["objects"].append(
         {"id": "c", "cylinder": {"radius": 0.02, "height": 0.03}, "position": [-0.05, 0.352, 0.015]}
@@ -384,6 +412,9 @@ FAULTS = [
     (floating_at_the_start, "support"),
     (stacked_on_what_is_taken, "support"),
     (overlapping_at_the_start, "touch"),
+    (stacked_too_far_out, "unstable"),
+    (stacked_by_and_by_too_far_out, "unstable"),
+    (plank_on_what_is_taken, "unstable"),
     (put_down_into_another, "touch"),
     (post_in_the_way, "touch"),
     (low_beam_over_what_is_carried, "touch"),
@@ -395,6 +426,7 @@ FAULTS = [
     (target_is_not_last, "removed"),
     (bound_above_the_plan, "bound"),
     (step_of_nobody, "format"),
+    (goal_is_no_text, "format"),
     (not_finite, "format"),
     (key_is_missing, "format"),
     (mesh_is_not_listed, "mesh"),
@@ -418,6 +450,9 @@ ALONE = {
     removed_in_another_order: {"removed"},
     place_is_elsewhere: {"placed"},
     sticks_out: {"placed"},
+    stacked_too_far_out: {"unstable"},
+    stacked_by_and_by_too_far_out: {"unstable"},
+    plank_on_what_is_taken: {"unstable", "touch"},
     lamp_hangs_low: {"touch"},
     lamp_meets_what_is_held: {"touch"},
     low_beam_over_what_is_carried: {"touch"},
@@ -459,6 +494,24 @@ def test_a_millimetre_at_lift_off_and_put_down_is_forgiven(plan, shift):
 def test_a_relocated_object_may_stay_on_what_carried_it(plan):
     plan["scene"]["place"] = []
     assert check_plan(plan) == []
+
+
+@pytest.mark.parametrize("shifts", [(0, 0.028), (0, 0.02, 0.035), (0, 0.02, -0.01), (0, 0.02, 0)])
+def test_what_balances_stands(plan, shifts):
+    stack(plan, *shifts)
+    assert check_plan(plan) == []
+
+
+def test_a_goal_of_its_own_leaves_things_anywhere(plan):
+    place_is_elsewhere(plan)
+    target_is_not_last(plan)
+    assert rules(plan) == {"placed", "removed"}
+    plan["goal"] = "(and)"
+    assert check_plan(plan) == []
+    plan["steps"], plan["removed"], plan["lower_bound"] = [], [], None
+    assert check_plan(plan) == []
+    del plan["goal"]
+    assert rules(plan) == {"format", "removed"}
 
 
 def test_the_root_link_may_meet_what_it_is_mounted_on(plan):

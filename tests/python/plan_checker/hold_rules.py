@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from . import poses, tolerances
+from . import balance, poses, tolerances
 from .distance import bodies_apart
 from .robot import Postures, Robot
 from .violations import PlanError, Report
@@ -44,13 +44,16 @@ def check_same_pose(name, found, wanted, rule: str, what: str, world: World, whe
         report.add(rule, where, f"{name} is {off * 1e3:.2f} mm off {what}")
 
 
-def check_placed(name, placed, carried_by: set, world: World, where: str, report: Report) -> None:
-    """Upright, resting, and in a place or on what carried it. `placed`: world from object."""
+def check_placed(name, placed, carried_by, world: World, where: str, report: Report) -> None:
+    """Upright, resting, and in a place or on what carried it (None: on anything). `placed`: world
+    from object."""
     start = world.objects[name].start
     cosine = np.clip(placed[2, :3] @ start[2, :3], -1.0, 1.0)
     tilt = float(np.arctan2(np.linalg.norm(np.cross(placed[2, :3], start[2, :3])), cosine))
     if tilt > tolerances.UPRIGHT:
         report.add("placed", where, f"{name} is put down tilted by {tilt:.4f} rad")
+    if carried_by is None:
+        return
     carriers = world.carriers(name, placed)
     if world.place_under(name, placed) or {c[0] for c in carriers} & {c[0] for c in carried_by}:
         return
@@ -79,3 +82,9 @@ def check_standing(name: str, at: np.ndarray, world: World, where: str, report: 
             report.add("touch", where, f"{name} stands in {other}: {-apart * 1e3:.2f} mm deep")
     if not any(c[3] for c in contacts) and not world.place_under(name, at):
         report.add("support", where, f"nothing carries {name}")
+
+
+def check_balance(world: World, when: str, where: str, report: Report) -> None:
+    """What stands does not fall."""
+    for group in balance.balance_of(world).falling(tolerances.BALANCE):
+        report.add("unstable", where, f"{', '.join(sorted(group))} would fall {when}")

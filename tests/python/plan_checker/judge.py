@@ -49,14 +49,19 @@ def _judge(plan: dict, folder: Path, fast: bool, report: Report) -> None:
     placement = plan["scene"]["robot"]
     robot = Robot(plan["robot"], poses.from_keys(placement.get("base")), meshes)
     world = World(plan["scene"], meshes)
-    _check_removed(plan, world, report)
+    goal = plan.get("goal")
+    if goal is not None and not isinstance(goal, str):
+        raise PlanError(f"goal is {goal!r}, expected a text")
+    _check_removed(plan, world, goal, report)
 
     steps = [_Step(index, keys, robot) for index, keys in enumerate(plan["steps"])]
     segments = [segment for step in steps for segment in step.segments]
-    if not segments:
+    # A goal may hold as things stand.
+    if not segments and (steps or goal is None):
         raise PlanError("a solved plan without segments")
     start = {**robot.home, **(placement.get("start") or {})}
-    check_rows(segments, robot, start, report)
+    if segments:
+        check_rows(segments, robot, start, report)
     check_fixed_and_mimics(robot, segments, report)
     _check_region(placement.get("region"), robot, segments, report)
     pairs = plan["robot"].get("unchecked_pairs") or []
@@ -64,11 +69,12 @@ def _judge(plan: dict, folder: Path, fast: bool, report: Report) -> None:
 
     for name, at in world.standing.items():
         hold_rules.check_standing(name, at, world, "scene", report)
+    hold_rules.check_balance(world, "at the start", "scene", report)
     contacts = ContactRules(robot, pairs, report, fast)
     for step in steps:
         if step.object not in world.objects:
             raise PlanError(f"{step.where}: {step.object!r} is no object of the scene")
-        _Replay(step, robot, world, contacts, report).run()
+        _Replay(step, robot, world, contacts, report, anywhere=goal is not None).run()
 
 
 class _Step:
@@ -88,11 +94,14 @@ class _Step:
 
 
 class _Replay:
-    """One step, segment after segment; moves the object in `world`."""
+    """One step, segment after segment; moves the object in `world`. `anywhere`: to whatever
+    carries it."""
 
-    def __init__(self, step: _Step, robot: Robot, world: World, contacts, report: Report) -> None:
+    def __init__(
+        self, step: _Step, robot: Robot, world: World, contacts, report: Report, anywhere: bool
+    ) -> None:
         self._step, self._robot, self._world = step, robot, world
-        self._contacts, self._report = contacts, report
+        self._contacts, self._report, self._anywhere = contacts, report, anywhere
         self._hold: Hold | None = None
         self._last: np.ndarray | None = None
         """World pose of the held object at the end of the segment before."""
@@ -154,6 +163,7 @@ class _Replay:
             carried = world.carriers(name, pose) or world.place_under(name, pose)
             if not carried:
                 report.add("support", where, f"nothing carries {name} once {step.object} is taken")
+        hold_rules.check_balance(world, f"once {step.object} is taken", where, report)
         self._hold = Hold(
             step.object,
             tool,
@@ -172,21 +182,23 @@ class _Replay:
         hold_rules.check_same_pose(
             step.object, self._last, step.placed, "release", "`placed`", world, where, report
         )
-        before = hold.carriers_before
+        before = None if self._anywhere else hold.carriers_before
         hold_rules.check_placed(step.object, step.placed, before, world, where, report)
         hold_rules.check_standing(step.object, step.placed, world, where, report)
         world.standing[step.object] = step.placed
+        hold_rules.check_balance(world, f"once {step.object} is put down", where, report)
         self._hold = None
 
 
-def _check_removed(plan: dict, world: World, report: Report) -> None:
-    """`removed` is the steps' objects in order (an object of several steps once, or each time),
-    the target last; the lower bound is no larger."""
+def _check_removed(plan: dict, world: World, goal: str | None, report: Report) -> None:
+    """`removed` is the steps' objects in order (an object of several steps once, or each time);
+    without a goal of the plan's own the target last; the lower bound is no larger."""
     removed, moved = plan["removed"], [step["object"] for step in plan["steps"]]
     orders = (moved, list(dict.fromkeys(moved)), list(dict.fromkeys(moved[::-1]))[::-1])
     if removed not in orders:
         report.add("removed", "plan", f"removed is {removed}, the steps move {moved}")
-    if not removed or removed[-1] != world.target or moved[-1:] != [world.target]:
+    last = not removed or removed[-1] != world.target or moved[-1:] != [world.target]
+    if last and goal is None:
         report.add("removed", "plan", f"the target {world.target} is not the last to be removed")
     bound = plan.get("lower_bound")
     if bound and bound["removed"] > len(removed):

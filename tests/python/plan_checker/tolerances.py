@@ -27,6 +27,8 @@ DISTANCE_SLACK = 2e-6
 """Metres that a distance may be off: see `distance`; a few times Coal's error."""
 UPRIGHT = 1e-3
 """Radians between a placed object's vertical and the one it stood with."""
+BALANCE = 1e-3
+"""Metres past an edge at which a centre of mass still counts as carried."""
 INSIDE = 1e-6
 """Metres that a footprint may stick out of its place."""
 LIFT_OFF = 0.01

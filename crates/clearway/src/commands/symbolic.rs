@@ -2,7 +2,7 @@
 
 use crate::cli::{AlgorithmKind, SymbolicArgs};
 use crate::exit::Failure;
-use clearway::pddl::{self, Algorithm, Asked, Domain, Engine, FastDownward, Ferroplan, Goal, Handling, Stream};
+use clearway::pddl::{self, Algorithm, Asked, Constant, Domain, Engine, FastDownward, Ferroplan, Goal, Handling, Stream};
 use clearway::{FileError, Outcome, Request};
 use clearway_files::{Limits, read_text};
 use std::path::{Path, PathBuf};
@@ -22,6 +22,13 @@ pub fn solve(args: &SymbolicArgs, handling: &mut Handling, request: &Request, di
     let named = args.domain.as_deref().unwrap_or(Path::new("the built-in domain"));
     pddl::check(&domain, &streams).map_err(|why| FileError::new(named, why).help("`clearway pddl domain` and `streams` print what is built in"))?;
     let known = pddl::constants(&domain, handling).map_err(|why| FileError::new(named, why))?;
+    // A slip in a name would quietly mean nothing.
+    let unknown = |c: &&Constant| ["item", "place", "shelf"].iter().any(|of| domain.types.named(of) == Some(c.of)) && known.iter().all(|k| k.name != c.name);
+    if let Some(constant) = domain.constants.iter().find(unknown) {
+        let text = args.domain.as_deref().and_then(|path| read_text(path, &Limits::DOCUMENT).ok()).unwrap_or_default();
+        let found = format!("the scene has nothing that is called `{}`, a {} of the domain", constant.name, domain.types.names[constant.of.0]);
+        return Err(FileError::new(named, found).at_position(position(&text, &constant.name)).help("names are those of the scene's objects, places and shelves").into());
+    }
     let goal = match &args.goal {
         Some(goal) if goal.trim_start().starts_with('(') => Goal::read(Path::new(GIVEN), goal, &domain, &known)?,
         Some(file) => {
@@ -47,4 +54,14 @@ pub fn solve(args: &SymbolicArgs, handling: &mut Handling, request: &Request, di
     };
     let asked = Asked { domain: &domain, streams: &streams, goal: &goal, retrieval: args.goal.is_none(), algorithm, engine, sequences: !args.all_movable };
     Ok(clearway::solve_goal(handling, &asked, request, directory))
+}
+
+/// Line and column at which a name first stands in a text.
+fn position(text: &str, name: &str) -> Option<(usize, usize)> {
+    let before = |c: Option<char>| c.is_none_or(|c| c.is_whitespace() || c == '(' || c == ')');
+    let whole = |at: &usize| before(text[..*at].chars().next_back()) && before(text[at + name.len()..].chars().next());
+    let at = text.match_indices(name).map(|(at, _)| at).find(whole)?;
+    let line = text[..at].matches('\n').count() + 1;
+    let column = text[..at].rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;
+    Some((line, column))
 }

@@ -22,6 +22,15 @@ fn after(state: Bits, action: &GroundAction) -> Bits {
     state & !bits(action.deletes.iter().copied()) | bits(action.adds.iter().copied())
 }
 
+/// A task on a few lines.
+pub fn told(task: &Task) -> String {
+    let mut text = format!("{} atoms, at first {:?}, goal {:?}", task.atoms.len(), task.init, task.goal);
+    for (index, GroundAction { precondition, adds, deletes, .. }) in task.actions.iter().enumerate() {
+        text += &format!("\n{index}: {precondition:?} adds {adds:?} deletes {deletes:?}");
+    }
+    text
+}
+
 /// Whether a plan can be carried out and reaches the goal.
 pub fn does(task: &Task, plan: &[usize]) -> bool {
     let step = |state: Bits, a: &usize| {
@@ -32,8 +41,8 @@ pub fn does(task: &Task, plan: &[usize]) -> bool {
     end.is_some_and(|end| task.goal.iter().any(|g| met(end, g)))
 }
 
-/// A shortest plan, if there is any, and how many states can be reached.
-pub fn shortest(task: &Task) -> (Option<Vec<usize>>, usize) {
+/// The states that can be reached, nearest first, and by what each is.
+fn reachable(task: &Task) -> (Vec<Bits>, HashMap<Bits, Option<(Bits, usize)>>) {
     assert!(task.atoms.len() <= 128);
     let first = bits(task.init.iter().copied());
     let mut came: HashMap<Bits, Option<(Bits, usize)>> = HashMap::from([(first, None)]);
@@ -50,6 +59,12 @@ pub fn shortest(task: &Task) -> (Option<Vec<usize>>, usize) {
             });
         }
     }
+    (queue, came)
+}
+
+/// A shortest plan, if there is any, and how many states can be reached.
+pub fn shortest(task: &Task) -> (Option<Vec<usize>>, usize) {
+    let (queue, came) = reachable(task);
     let reached = queue.iter().find(|state| task.goal.iter().any(|g| met(**state, g)));
     let plan = reached.map(|state| {
         let mut plan = Vec::new();
@@ -62,6 +77,18 @@ pub fn shortest(task: &Task) -> (Option<Vec<usize>>, usize) {
         plan
     });
     (plan, queue.len())
+}
+
+pub fn action(precondition: &[Literal], adds: &[usize], deletes: &[usize]) -> GroundAction {
+    let precondition = precondition.to_vec();
+    let deletes = deletes.iter().filter(|d| !adds.contains(d)).copied().collect();
+    GroundAction { action: 0, values: Vec::new(), precondition, adds: adds.to_vec(), deletes, relies_on: Vec::new() }
+}
+
+/// A task of so many atoms, of which none holds at first.
+pub fn task(atoms: usize, actions: Vec<GroundAction>, goal: Vec<Vec<Literal>>) -> Task {
+    let atoms = (0..atoms).map(|i| Fact { predicate: PredicateId(0), values: vec![Value(i as u32)] }).collect();
+    Task { atoms, init: Vec::new(), actions, goal }
 }
 
 pub struct Draw(Xoshiro256PlusPlus);
@@ -91,19 +118,32 @@ impl Draw {
         all.into_iter().collect()
     }
 
-    /// A task of so many atoms, every one of them as likely as the others.
+    /// A task of so many atoms. Most goals are far away, and some are just out of reach.
     pub fn task(&mut self, atoms: usize) -> Task {
-        let actions = (0..self.below(2 * atoms)).map(|_| {
+        let mut task = self.without_goal(atoms);
+        // Mostly one in which there is somewhere to go.
+        while reachable(&task).0.len() < 3 * atoms && self.in_ten(9) {
+            task = self.without_goal(atoms);
+        }
+        let last = reachable(&task).0.pop().unwrap_or_default();
+        for _ in 0..[1, 1, 1, 2, 3, 0][self.below(6)] {
+            let mut goal = self.literals(atoms, 8);
+            let out_of_reach = self.in_ten(2);
+            for (index, (atom, holds)) in goal.iter_mut().enumerate() {
+                *holds = (last >> *atom & 1 == 1) != (out_of_reach && index == 0);
+            }
+            task.goal.push(goal);
+        }
+        task
+    }
+
+    fn without_goal(&mut self, atoms: usize) -> Task {
+        let actions = (0..self.below(3 * atoms)).map(|_| {
             let adds = self.some(atoms, 2);
-            let deletes = self.some(atoms, 2).into_iter().filter(|d| !adds.contains(d)).collect();
-            let precondition = self.literals(atoms, 3);
-            GroundAction { action: 0, values: Vec::new(), precondition, adds, deletes, relies_on: Vec::new() }
+            let deletes = self.some(atoms, 2);
+            action(&self.literals(atoms, 4), &adds, &deletes)
         });
         let actions = actions.collect();
-        let init = self.some(atoms, atoms / 2);
-        let goals = [1, 1, 1, 2, 3, 0][self.below(6)];
-        let goal = (0..goals).map(|_| self.literals(atoms, 5)).collect();
-        let atoms = (0..atoms).map(|i| Fact { predicate: PredicateId(0), values: vec![Value(i as u32)] }).collect();
-        Task { atoms, init, actions, goal }
+        Task { init: self.some(atoms, atoms / 2), ..task(atoms, actions, Vec::new()) }
     }
 }
