@@ -182,7 +182,7 @@ fn pick_and_place_can_be_done_with_relevant_actions_whenever_it_can_be_done() {
     let known = [named("o0", "item"), named("o1", "item"), named("tray", "place"), named("board", "shelf")];
     let mut draw = Draw::new(3);
     let (mut found, mut long, mut fewer) = (0, 0, 0);
-    for round in 0..40000 {
+    for round in 0..3000 {
         let goal = format!("(and {} (HandEmpty))", goals[round % goals.len()]);
         let goal = Goal::read(Path::new("goal"), &goal, &domain, &known).unwrap();
         let mut table = table(&domain, &mut draw, 2 + round % 4);
@@ -197,5 +197,5 @@ fn pick_and_place_can_be_done_with_relevant_actions_whenever_it_can_be_done() {
             fewer += usize::from(count < task.actions.len());
         }
     }
-    assert!(found > 300 && found < 5000 && long > 100 && fewer > 200, "{found} {long} {fewer}");
+    assert!(found > 300 && found < 2500 && long > 50 && fewer > 100, "{found} {long} {fewer}");
 }
