@@ -43,7 +43,7 @@ impl FastDownward {
         std::fs::write(directory.path().join("problem.pddl"), problem)?;
         let left = budget.remaining().map_or(MOST_SECONDS, |left| left.as_secs() + 1);
         let mut running = Command::new(&self.python)
-            .arg(&self.driver)
+            .arg(std::path::absolute(&self.driver)?)
             .args(["--overall-time-limit", &left.to_string()])
             .args(["--plan-file", "plan", "domain.pddl", "problem.pddl", "--search", "astar(lmcut())"])
             .current_dir(directory.path())
