@@ -5,6 +5,7 @@ it, then the target."""
 import copy
 import importlib.util
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -127,6 +128,12 @@ def test_fast_downward_finds_the_same(clearway, tmp_path, objects):
         clearway.solve(path, plan_path, "--symbolic", *options)
         removed.append(judged(clearway, plan_path)["removed"])
     assert removed[0] == removed[1]
+
+
+def test_the_driver_may_be_named_from_here(clearway, tmp_path):
+    path = generated(clearway, tmp_path, "stacked", 4, 1)
+    driver = os.path.relpath(fast_downward())
+    clearway.solve(path, tmp_path / "plan.json", "--symbolic", "--fast-downward", driver)
 
 
 @pytest.mark.parametrize(

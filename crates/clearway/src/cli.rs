@@ -141,7 +141,7 @@ pub enum AlgorithmKind {
     Incremental,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum First {
     /// 1: fewest removals.
     One,

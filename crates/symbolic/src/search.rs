@@ -6,7 +6,7 @@ use crate::ground::{GroundAction, Grounder, Task, TooManyAlternatives};
 use crate::hope::{Hope, Hopes};
 use crate::pddl::Goal;
 use crate::relevance;
-use crate::store::{Hoping, Store};
+use crate::store::{Hoping, Instance, Store};
 use clearway_plan::{Budget, Stop};
 use std::collections::{HashMap, HashSet};
 
@@ -173,7 +173,9 @@ impl<'s, 'a> Search<'s, 'a> {
                     return Err(NoPlan::Exhausted);
                 }
             }
-            let more = self.store.instances.iter().any(|i| !i.exhausted);
+            // A motion that no plan asked for has nothing to give by itself.
+            let may_give = |i: &Instance| !i.exhausted && (i.rests || self.store.streams[i.stream].fluents.is_empty());
+            let more = self.store.instances.iter().any(may_give);
             self.retry_motions();
             if self.gave_up() || !more {
                 break;

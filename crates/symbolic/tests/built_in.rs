@@ -21,7 +21,12 @@ fn every_stream_that_is_provided_is_declared() {
     assert_eq!(streams.len(), arm::PROVIDED.len());
     for provided in &arm::PROVIDED {
         let stream = streams.iter().find(|s| s.name == provided.name).unwrap();
-        assert_eq!((stream.inputs.len(), stream.outputs.len()), (provided.inputs, provided.outputs), "{}", provided.name);
+        assert_eq!(
+            (stream.inputs.len(), stream.outputs.len()),
+            (provided.inputs, provided.outputs),
+            "{}",
+            provided.name
+        );
     }
 }
 
@@ -68,7 +73,9 @@ fn a_missing_type_is_named() {
 
 #[test]
 fn streams_about_what_a_domain_lacks_are_refused_by_name() {
-    for (name, lacking) in [("Surface", DOMAIN.replace("(Surface ?s - support)", "")), ("CFreePose", DOMAIN.replace("CFreePose", "Apart"))] {
+    for (name, lacking) in
+        [("Surface", DOMAIN.replace("(Surface ?s - support)", "")), ("CFreePose", DOMAIN.replace("CFreePose", "Apart"))]
+    {
         let lacking = Domain::read(Path::new("lacking"), &lacking).unwrap();
         let error = streams(&lacking).unwrap_err().to_string();
         assert!(error.contains(&format!("`{name}`")), "{error}");

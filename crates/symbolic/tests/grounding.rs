@@ -112,6 +112,7 @@ fn after(task: &Task, numbers: &HashMap<&Fact, usize>, state: &State) -> BTreeSe
 fn tasks_lead_where_their_domains_say_and_no_further() {
     in_cases(1, 300, |_, case| {
         let Ok(task) = case.task() else { return false };
+        assert!(task.actions.iter().all(|a| a.deletes.iter().all(|d| !a.adds.contains(d))), "added and deleted");
         let numbers: HashMap<&Fact, usize> = task.atoms.iter().enumerate().map(|(i, f)| (f, i)).collect();
         case.naively(|naive| {
             let states = naive.reachable(&case.first(), 60);
@@ -273,7 +274,8 @@ fn tests_are_asked_only_where_static_facts_leave_a_choice() {
     let spot = domain.types.named("spot").unwrap();
     let mut values = Values::default();
     let s: Vec<Value> = (0..5).map(|i| values.add(&format!("s{i}"), spot)).collect();
-    let fact = |name: &str, values: &[Value]| Fact { predicate: domain.predicate(name).unwrap(), values: values.to_vec() };
+    let fact =
+        |name: &str, values: &[Value]| Fact { predicate: domain.predicate(name).unwrap(), values: values.to_vec() };
     let dry = |s: Value| fact("Dry", &[s]);
     let mut table = Table { tested: [domain.predicate("Dry").unwrap()].into(), ..Table::default() };
     [(0, 1), (1, 2), (2, 3), (4, 0)].into_iter().for_each(|(a, b)| {
@@ -298,7 +300,8 @@ fn too_many_alternatives_are_told_with_whose_they_are() {
     let wide = "(:action wide :parameters () :effect (Wide)
       :precondition (forall (?a ?b - block) (or (Held ?a) (On ?a ?b) (OnTable ?a))))";
     let text = BLOCKS.replace("(Light ?a - block))", "(Light ?a - block) (Wide))");
-    let domain = Domain::read(Path::new("blocks"), &text.replace("(:action take", &format!("{wide} (:action take"))).unwrap();
+    let domain =
+        Domain::read(Path::new("blocks"), &text.replace("(:action take", &format!("{wide} (:action take"))).unwrap();
     let (_, values, state, mut table, goal) = blocks(4, 4, "(OnTable b0)");
     let told = Grounder::new(&domain).task(&values, &state, &mut table, &goal);
     assert_eq!(told.unwrap_err(), TooManyAlternatives { of: "wide".to_owned() });

@@ -48,7 +48,7 @@ fn where_nothing_can_be_undone_no_plan_is_missed() {
         assert_eq!(all.map(|p| p.len()), few.as_ref().map(Vec::len), "{}", told(&task));
         found += usize::from(few.is_some_and(|p| p.len() > 1));
     }
-    eprintln!("found {found}");
+    assert!(found > 100, "{found}");
 }
 
 /// Facts, all of them given.
@@ -103,7 +103,8 @@ impl Table<'_> {
 /// Items on a shelf, in each other's way; some stand, or may be put, on others. With `tight`, a shelf full enough
 /// that little can be done.
 fn table<'a>(domain: &'a Domain, draw: &mut Draw, tight: usize) -> Table<'a> {
-    let mut table = Table { domain, values: Values::default(), facts: Given(Facts::default()), state: Vec::new(), ways: 0 };
+    let mut table =
+        Table { domain, values: Values::default(), facts: Given(Facts::default()), state: Vec::new(), ways: 0 };
     let (tray, shelf, motion) = (table.add("tray", "place"), table.add("board", "shelf"), table.add("m", "motion"));
     table.state.push(table.fact("HandEmpty", &[]));
     table.know("Surface", &[tray]);
@@ -131,7 +132,9 @@ fn table<'a>(domain: &'a Domain, draw: &mut Draw, tight: usize) -> Table<'a> {
                 poses.push(pose);
             }
         }
-        if let Some((below, at)) = items.get(draw.below(4)).map(|(below, _, poses)| (*below, poses[draw.below(poses.len())])) {
+        if let Some((below, at)) =
+            items.get(draw.below(4)).map(|(below, _, poses)| (*below, poses[draw.below(poses.len())]))
+        {
             let pose = table.pose(item, grasp);
             table.know("Supported", &[item, pose, below]);
             table.know("Rests", &[item, pose, below, at]);
@@ -189,7 +192,13 @@ fn pick_and_place_can_be_done_with_relevant_actions_whenever_it_can_be_done() {
         let task = Grounder::new(&domain).task(&table.values, &table.state, &mut table.facts, &goal).unwrap();
         let (all, few) = (shortest(&task).0, plan_of_relevant(&task));
         let count = relevant(&task).into_iter().filter(|m| *m).count();
-        assert_eq!(all.is_some(), few.is_some(), "{} with {count} of {} actions: {all:?}", goal.text, task.actions.len());
+        assert_eq!(
+            all.is_some(),
+            few.is_some(),
+            "{} with {count} of {} actions: {all:?}",
+            goal.text,
+            task.actions.len()
+        );
         if let Some(plan) = few {
             assert!(does(&task, &plan), "{plan:?}");
             found += 1;

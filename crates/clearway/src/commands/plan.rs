@@ -48,6 +48,10 @@ pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
     if let Some(option) = args.symbolic.unused() {
         return Err(Failure::bad_input(format!("{option} is for plans with --goal or --symbolic")));
     }
+    if args.symbolic.asked() && (args.paper || args.search.is_some() || args.first_limit != First::One) {
+        let why = "--paper, --search and --first-limit are for plans by the retrieval graph, without --goal and --symbolic";
+        return Err(Failure::bad_input(why.to_owned()));
+    }
     if args.symbolic.asked() {
         if args.improve.is_some() {
             return Err(Failure::bad_input("--improve is for plans that have the target, without --goal and --symbolic".to_owned()));

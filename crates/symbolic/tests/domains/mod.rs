@@ -80,7 +80,8 @@ impl Draw {
         loop {
             let text = self.text();
             let Ok(domain) = Domain::read(Path::new("drawn"), &text) else { continue };
-            let known = OBJECTS.map(|(name, of)| Constant { name: name.to_owned(), of: domain.types.named(of).unwrap() });
+            let known =
+                OBJECTS.map(|(name, of)| Constant { name: name.to_owned(), of: domain.types.named(of).unwrap() });
             let goal = self.formula(2, &mut constants(), true);
             let Ok(goal) = Goal::read(Path::new("goal"), &goal, &domain, &known) else { continue };
             let mut values = Values::default();
@@ -112,7 +113,10 @@ impl Draw {
             let needs = if self.in_ten(1) { "()".to_owned() } else { self.formula(depth, &mut scope, true) };
             let effects: Vec<String> = (0..2 + self.below(2)).map(|_| self.effect(&mut scope)).collect();
             let effects = effects.join(" ");
-            let _ = write!(text, "\n  (:action a{action} :parameters ({parameters}) :precondition {needs} :effect (and {effects}))");
+            let _ = write!(
+                text,
+                "\n  (:action a{action} :parameters ({parameters}) :precondition {needs} :effect (and {effects}))"
+            );
         }
         text + ")"
     }
@@ -203,7 +207,8 @@ fn possible(domain: &Domain, values: &Values) -> Vec<Fact> {
     for (predicate, declared) in domain.predicates.iter().enumerate().take(EMPTY) {
         let mut tuples = vec![Vec::new()];
         for of in &declared.parameters {
-            let longer = |tuple: Vec<_>| values.all_of(&domain.types, *of).map(move |v| [tuple.clone(), vec![v]].concat());
+            let longer =
+                |tuple: Vec<_>| values.all_of(&domain.types, *of).map(move |v| [tuple.clone(), vec![v]].concat());
             tuples = tuples.into_iter().flat_map(longer).collect();
         }
         all.extend(tuples.into_iter().map(|values| Fact { predicate: PredicateId(predicate), values }));

@@ -47,7 +47,9 @@ impl<'t> All<'t> {
     fn inputs(&self, stream: &Stream) -> Vec<Vec<Value>> {
         let free = vec![None; stream.inputs.len() + stream.outputs.len()];
         let all = crate::naive::bindings(&self.toy.domain, &self.values, &stream.inputs, &free);
-        let holds = |slots: &Slots| stream.domain.iter().all(|a| self.is_so(&instantiate(a, slots, &self.values).unwrap(), &State::new()));
+        let holds = |slots: &Slots| {
+            stream.domain.iter().all(|a| self.is_so(&instantiate(a, slots, &self.values).unwrap(), &State::new()))
+        };
         all.into_iter().filter(holds).map(|slots| slots.into_iter().flatten().collect()).collect()
     }
 
@@ -58,7 +60,8 @@ impl<'t> All<'t> {
         for call in 0.. {
             let outputs = match stream.fluents.is_empty() {
                 true => (self.toy.rules.gives)(&stream.name, &names, call),
-                false => (call == 0).then(|| vec![format!("{MADE}-{}-{}", stream.name, names.join("-")); stream.outputs.len()]),
+                false => (call == 0)
+                    .then(|| vec![format!("{MADE}-{}-{}", stream.name, names.join("-")); stream.outputs.len()]),
             };
             let Some(outputs) = outputs else { break };
             let outputs = outputs.iter().zip(&stream.outputs).map(|(name, o)| self.values.add(name, o.of));
@@ -85,7 +88,11 @@ impl<'t> All<'t> {
         }
         if let Some((stream, inputs)) = self.in_state.get(fact) {
             let stream = &self.toy.streams[*stream];
-            let told = |f: &Fact| format!("{} {}", self.toy.domain.predicates[f.predicate.0].name, self.names(&f.values).join(" ")).trim().to_owned();
+            let told = |f: &Fact| {
+                format!("{} {}", self.toy.domain.predicates[f.predicate.0].name, self.names(&f.values).join(" "))
+                    .trim()
+                    .to_owned()
+            };
             let now: Vec<String> = state.iter().filter(|f| stream.fluents.contains(&f.predicate)).map(told).collect();
             return (self.toy.rules.succeeds)(&stream.name, &self.names(inputs), &now);
         }
@@ -107,11 +114,13 @@ impl<'t> All<'t> {
         })
     }
 
-    /// Whether a plan, told in names, does. Things with names that begin with what is generated are not told apart.
+    /// Whether a plan, told in names, does.
     pub fn does(&self, plan: &[(usize, Vec<String>)]) -> bool {
         let value = |name: &String| self.values.named(name);
-        let steps: Option<Vec<Step>> =
-            plan.iter().map(|(action, names)| Some((*action, names.iter().map(value).collect::<Option<_>>()?))).collect();
+        let steps: Option<Vec<Step>> = plan
+            .iter()
+            .map(|(action, names)| Some((*action, names.iter().map(value).collect::<Option<_>>()?)))
+            .collect();
         steps.is_some_and(|steps| self.naively(|naive| naive.does(&steps, &self.state, &self.toy.goal)))
     }
 }

@@ -25,7 +25,12 @@ pub struct Rules {
 impl Rules {
     /// Streams that give nothing, tests that accept all.
     pub fn new() -> Self {
-        Self { gives: Box::new(|_, _, _| None), passes: Box::new(|_, _| true), succeeds: Box::new(|_, _, _| true), ends: true }
+        Self {
+            gives: Box::new(|_, _, _| None),
+            passes: Box::new(|_, _| true),
+            succeeds: Box::new(|_, _, _| true),
+            ends: true,
+        }
     }
 }
 
@@ -42,10 +47,19 @@ pub struct Toy {
 
 impl Toy {
     /// Objects are `name type` pairs; procedures are provided as they are declared.
-    pub fn new(domain: &str, streams: &str, provided: &[Provided], objects: &[(&str, &str)], init: &str, goal: &str, rules: Rules) -> Self {
+    pub fn new(
+        domain: &str,
+        streams: &str,
+        provided: &[Provided],
+        objects: &[(&str, &str)],
+        init: &str,
+        goal: &str,
+        rules: Rules,
+    ) -> Self {
         let domain = Domain::read(Path::new("domain"), domain).unwrap();
         let streams = Stream::read_all(Path::new("streams"), streams, &domain, provided).unwrap();
-        let constant = |(name, of): &(&str, &str)| Constant { name: (*name).to_owned(), of: domain.types.named(of).unwrap() };
+        let constant =
+            |(name, of): &(&str, &str)| Constant { name: (*name).to_owned(), of: domain.types.named(of).unwrap() };
         let objects: Vec<Constant> = objects.iter().map(constant).collect();
         let goal = Goal::read(Path::new("goal"), goal, &domain, &objects).unwrap();
         Self { domain, streams, goal, objects, init: init.to_owned(), rules }
@@ -83,7 +97,8 @@ impl Toy {
     pub fn run_within(&self, algorithm: Algorithm, budget: &Budget, patience: Option<Patience>) -> Run {
         let values = self.values();
         let (facts, state) = self.first(&values);
-        let mut watched = Watched { toy: self, names: HashMap::new(), facts: facts.clone(), asked: HashMap::new(), log: Vec::new() };
+        let mut watched =
+            Watched { toy: self, names: HashMap::new(), facts: facts.clone(), asked: HashMap::new(), log: Vec::new() };
         watched.learn(&values);
         let mut store = Store::new(&self.domain, &self.streams, values, facts, &mut watched);
         let engine = Ferroplan::default();
@@ -113,7 +128,8 @@ pub struct Run {
 impl Run {
     /// The plan as `action argument …`, a line for each.
     pub fn told(&self, domain: &Domain) -> Vec<String> {
-        let told = |(action, values): &(usize, Vec<String>)| format!("{} {}", domain.actions[*action].name, values.join(" "));
+        let told =
+            |(action, values): &(usize, Vec<String>)| format!("{} {}", domain.actions[*action].name, values.join(" "));
         self.plan.as_ref().unwrap().iter().map(told).collect()
     }
 }
@@ -135,7 +151,9 @@ impl Watched<'_> {
     }
 
     fn called(&self, stream: &Stream, inputs: &[Value]) -> Vec<&str> {
-        let name = |v: &Value| self.names.get(v).unwrap_or_else(|| panic!("{} asked about what is not real", stream.name)).as_str();
+        let name = |v: &Value| {
+            self.names.get(v).unwrap_or_else(|| panic!("{} asked about what is not real", stream.name)).as_str()
+        };
         inputs.iter().map(name).collect()
     }
 
