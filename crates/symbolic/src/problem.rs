@@ -174,8 +174,10 @@ impl Run<'_> {
         self.movable = movable.len();
         let Asked { domain, streams, goal, algorithm, engine, .. } = *self.asked;
         let fixed = self.handling.scene().all().difference(movable);
+        // Having the target says nothing of what stands fast; other goals may be about everything.
+        let told = if self.asked.retrieval { movable } else { self.handling.scene().all() };
         let mut arm = Arm::new(self.handling, fixed, self.budget);
-        let Begun { values, facts, state } = begin(domain, goal, &mut arm, self.asked.retrieval).map_err(NoPlan::Engine)?;
+        let Begun { values, facts, state } = begin(domain, goal, &mut arm, told, self.asked.retrieval).map_err(NoPlan::Engine)?;
         let mut store = Store::new(domain, streams, values, facts, &mut arm);
         let mut search = Search::new(&mut store, engine, &state, goal, self.budget);
         search.patience = patience;

@@ -4,7 +4,7 @@ use crate::arm::{Arm, GENERATED, Thing, type_named};
 use crate::facts::{Fact, Facts, Value, Values};
 use crate::pddl::{Constant, Domain, Formula, Goal, PredicateId, Stream, Term, Types};
 use clearway_geometry::Pose;
-use clearway_plan::ObjectId;
+use clearway_plan::{ObjectId, ObjectSet};
 use clearway_retrieval::handling::{Handling, Surface};
 
 /// What a scene's things are called in PDDL, and their types.
@@ -123,8 +123,8 @@ fn anywhere(formula: &Formula, found: &[PredicateId]) -> Option<PredicateId> {
     }
 }
 
-/// Tells the scene. With `retrieval` nothing is put down but on places.
-pub fn begin(domain: &Domain, goal: &Goal, arm: &mut Arm, retrieval: bool) -> Result<Begun, String> {
+/// Tells of some objects. With `retrieval` nothing is put down but on places.
+pub fn begin(domain: &Domain, goal: &Goal, arm: &mut Arm, objects: ObjectSet, retrieval: bool) -> Result<Begun, String> {
     let Vocabulary { home, pose, supported, rests, surface, stackable, at_pose, on, hand_empty } = Vocabulary::of(domain)?;
     let of_pose = type_named(domain, "pose")?;
     let mut values = Values::default();
@@ -140,8 +140,7 @@ pub fn begin(domain: &Domain, goal: &Goal, arm: &mut Arm, retrieval: bool) -> Re
         let of = constants.iter().find(|c| c.name == name).map_or(Types::OBJECT, |c| c.of);
         values.add(name, of)
     };
-    let items: Vec<(ObjectId, Value, Value)> = scene
-        .all()
+    let items: Vec<(ObjectId, Value, Value)> = objects
         .iter()
         .map(|object| {
             let name = &scene.names[object.index()];
