@@ -174,7 +174,7 @@ impl<'s, 'a> Search<'s, 'a> {
                 }
             }
             // A motion that no plan asked for has nothing to give by itself.
-            let may_give = |i: &Instance| !i.exhausted && (i.rests || self.store.streams[i.stream].fluents.is_empty());
+            let may_give = |i: &Instance| !i.exhausted && (i.rests || !self.store.is_fluent(i.stream));
             let more = self.store.instances.iter().any(may_give);
             self.retry_motions();
             if self.gave_up() || !more {
@@ -194,23 +194,11 @@ impl<'s, 'a> Search<'s, 'a> {
         let mut hoping = Hoping { store: &mut *self.store, facts, optimistic };
         let task = grounder.task(&values, self.state, &mut hoping, self.goal).map_err(|e| self.too_many(e))?;
         let (few, kept) = relevance::with_only(&task, &relevance::relevant(&task));
-        let mut answer = match self.solve(&few, STATES) {
-            Err(NoPlan::Engine(why)) => {
-                self.unproved = Some(why);
-                None
-            }
-            answer => answer?,
-        };
+        let mut answer = self.solve(&few, STATES)?;
         if let Some(plan) = &mut answer {
             plan.iter_mut().for_each(|a| *a = kept[*a]);
         } else if thorough && kept.len() < task.actions.len() {
-            answer = match self.solve(&task, THOROUGH_STATES) {
-                Err(NoPlan::Engine(why)) => {
-                    self.unproved = Some(why);
-                    None
-                }
-                answer => answer?,
-            };
+            answer = self.solve(&task, THOROUGH_STATES)?;
         }
         Ok(answer.map(|plan| Sketch { task, plan, hopes }))
     }
@@ -220,15 +208,16 @@ impl<'s, 'a> Search<'s, 'a> {
         self.budget.check().err().map_or(NoPlan::TooMany(error), NoPlan::Stopped)
     }
 
-    /// A plan; `None`: there is none.
-    fn solve(&mut self, task: &Task, states: usize) -> Result<Option<Vec<usize>>, NoPlan> {
+    /// A plan; `None`: there is none, or the engine gave up, and what it said is kept.
+    fn solve(&mut self, task: &Task, states: usize) -> Result<Option<Vec<usize>>, Stop> {
         self.counts.engine_calls += 1;
         match self.engine.solve(task, states, self.budget) {
             Answer::Plan(plan) => Ok(Some(plan)),
             Answer::Unsolvable => Ok(None),
             Answer::GaveUp(why) => {
                 self.budget.check()?;
-                Err(NoPlan::Engine(why))
+                self.unproved = Some(why);
+                Ok(None)
             }
         }
     }

@@ -13,8 +13,7 @@ pub fn constants(domain: &Domain, handling: &Handling) -> Result<Vec<Constant>, 
     let (item, place, shelf) = (type_named(domain, "item")?, type_named(domain, "place")?, type_named(domain, "shelf")?);
     let shelf_names = handling.shelves().into_iter().map(|i| &scene.fixtures[i].id);
     let names: Vec<&String> = scene.names.iter().chain(scene.places.iter().map(|p| &p.id)).chain(shelf_names).collect();
-    if let Some((i, name)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
-        debug_assert!(i > 0);
+    if let Some((_, name)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
         return Err(format!("the scene gives the name `{name}` to two of its objects, places and shelves, which a goal could not tell apart"));
     }
     let items = scene.names.iter().map(|name| Constant { name: name.clone(), of: item });
@@ -184,8 +183,7 @@ pub fn begin(domain: &Domain, goal: &Goal, arm: &mut Arm, objects: ObjectSet, re
         if supports.is_empty() {
             supports.extend(shelves.iter().filter(|(i, _)| under.fixtures.contains(i)).map(|(_, v)| *v));
         }
-        for (other, below, at_below) in items.iter().filter(|(o, ..)| under.objects.contains(*o)) {
-            debug_assert_ne!(other, object);
+        for (_, below, at_below) in items.iter().filter(|(o, ..)| under.objects.contains(*o)) {
             supports.push(*below);
             facts.insert(fact(rests, &[*item, *at, *below, *at_below]));
         }
