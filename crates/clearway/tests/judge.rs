@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 /// Of each fault.
-const PLANTED: usize = 12;
+const PLANTED: usize = 22;
 /// How often a plan may have no occasion for a fault.
 const TRIES: usize = 600;
 

@@ -4,7 +4,7 @@
 //! succeed until it was asked in the state of a plan and did not.
 
 use crate::facts::{Fact, Facts, Slots, Value, Values, instantiate};
-use crate::ground::{Grounder, Known};
+use crate::ground::Known;
 use crate::pddl::{Atom, Domain, PredicateId, Stream, Term};
 use clearway_plan::Stop;
 use std::collections::{HashMap, HashSet};
@@ -43,7 +43,6 @@ pub struct Instance {
 pub struct Store<'a> {
     pub domain: &'a Domain,
     pub streams: &'a [Stream],
-    pub grounder: Grounder<'a>,
     pub values: Values,
     /// Static.
     pub facts: Facts,
@@ -66,7 +65,6 @@ impl<'a> Store<'a> {
         Self {
             domain,
             streams,
-            grounder: Grounder::new(domain),
             values,
             facts,
             instances: Vec::new(),
