@@ -126,6 +126,7 @@ impl Attached {
             position: self.position,
             rpy: self.rpy,
             quaternion: self.quaternion,
+            ..Body::default()
         }
     }
 }

@@ -42,7 +42,19 @@ pub struct SceneFile {
     /// What a plan with a mobile base costs.
     #[serde(default, skip_serializing_if = "Weights::is_default")]
     pub weights: Weights,
+    /// Room that every motion keeps, metres. What stands nearer to an object than this leaves it that much less
+    /// when the object is drawn out or put down. Default: 0, which is not to touch.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clearance: Option<f64>,
+    /// Coefficient of friction of objects that give none of their own. Default: 0.4.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
 }
+
+/// Coefficient of friction where the scene gives none: glass or a tin on wood.
+pub const FRICTION: f64 = 0.4;
+/// Of objects whose mass is not given, kg/m³ of their shape: bottles and boxes partly filled.
+pub const DENSITY: f64 = 500.0;
 
 /// What a plan with a mobile base costs: the least sum is looked for. By default removals count first,
 /// then moves of the base, then time.
@@ -154,6 +166,13 @@ pub struct Body {
     pub rpy: Option<[f64; 3]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quaternion: Option<[f64; 4]>,
+    /// Objects only: kilograms. Default: 500 kg/m³ of its shape.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mass: Option<f64>,
+    /// Objects only: coefficient of friction against whatever it touches; between two objects the larger
+    /// one counts. Default: the scene's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<f64>,
 }
 
 /// One shape of a compound, and its pose in the compound.

@@ -17,6 +17,7 @@ mod ids;
 mod numbers;
 mod overlap;
 mod patch;
+mod physics;
 mod pose;
 mod shape;
 mod source;
@@ -162,6 +163,7 @@ impl Scene {
                 .help("is this a scene file of this version?"));
         }
         surroundings::check(source, &file)?;
+        physics::check(source, &file)?;
         ids::check(source, &file)?;
         let target = ids::target(source, &file)?;
         let base = pose::of_keys(source, "robot.base", &file.robot.base)?;
@@ -183,6 +185,7 @@ impl Scene {
         for (written, settled) in file.objects.iter_mut().zip(&bodies) {
             written.position[2] = settled.pose.translation.z;
         }
+        physics::fill_in(&mut file, bodies.iter().map(|b| b.mass));
         let objects = bodies
             .into_iter()
             .zip(supports)
@@ -200,6 +203,11 @@ impl Scene {
     /// All objects.
     pub fn all(&self) -> ObjectSet {
         ObjectSet::first(self.objects.len())
+    }
+
+    /// Room that every motion keeps, metres.
+    pub fn clearance(&self) -> f64 {
+        self.file.clearance.unwrap_or_default()
     }
 
     /// The object of this name.

@@ -1,7 +1,7 @@
 //! Shape keys as solids: one key per body, its sizes checked, its files read.
 
 use crate::source::Source;
-use crate::{MAX_OBJECT_PARTS, MAX_PARTS, MeshSource, numbers, pose};
+use crate::{MAX_OBJECT_PARTS, MAX_PARTS, MeshSource, numbers, physics, pose};
 use clearway_files::{FileError, MeshBudget, Root, mesh, points, quoted};
 use clearway_geometry::convex::Hull;
 use clearway_geometry::hull::{HullError, connected_hulls};
@@ -98,6 +98,9 @@ impl<'a> Reader<'a> {
     /// The solid in its own frame, and world from that frame.
     pub(crate) fn body(&mut self, keys: &str, body: &Body, role: Role) -> Result<(Solid, Pose), FileError> {
         let pose = pose::read(self.source, keys, body.position, body.rpy, body.quaternion)?;
+        if role != Role::Object {
+            physics::not_given(self.source, keys, body)?;
+        }
         let given = [
             body.r#box.as_ref().map(Key::Box),
             body.cylinder.as_ref().map(Key::Cylinder),
