@@ -68,6 +68,8 @@ fn shelf(height: f64, depth: f64, target: [f64; 2], others: &[[f64; 2]]) -> Scen
         exit: None,
         camera: None,
         weights: Default::default(),
+        clearance: None,
+        friction: None,
     }
 }
 

@@ -5,6 +5,7 @@
 //! SI units throughout; world frame right-handed with z up; quaternions `[x, y, z, w]`.
 
 pub mod budget;
+pub mod clearance;
 pub mod event;
 pub mod motion_answer;
 pub mod motion_file;
@@ -12,6 +13,7 @@ mod number_or;
 pub mod object_set;
 pub mod plan_file;
 pub mod proof;
+pub mod push;
 pub mod robot_file;
 pub mod scene_file;
 

@@ -2,7 +2,9 @@
 //! Written strictly, read leniently: unknown keys are ignored, and `null` is as good as a key that
 //! is not there wherever it need not be.
 
+use crate::clearance::Clearance;
 use crate::number_or::{NumberOr, number_or};
+use crate::push::Push;
 use crate::robot_file::Grasps;
 use crate::scene_file::SceneFile;
 use schemars::JsonSchema;
@@ -39,6 +41,9 @@ pub struct PlanFile {
     /// For a partly observed scene: what was known before each step.
     #[serde(default, skip_serializing_if = "Vec::is_empty", deserialize_with = "null_is_default")]
     pub known: Vec<Known>,
+    /// The room that the motions keep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clearance: Option<Clearance>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trace: Option<Trace>,
     #[serde(default, deserialize_with = "null_is_default")]
@@ -91,6 +96,7 @@ impl PlanFile {
             lower_bound: None,
             steps: Vec::new(),
             known: Vec::new(),
+            clearance: None,
             trace: None,
             timing: Timing::default(),
             stats: Stats::default(),
@@ -195,6 +201,9 @@ pub struct Step {
     pub action: Action,
     pub segments: Vec<Segment>,
     pub placed: PlacedPose,
+    /// Of a step that pushes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub push: Option<Push>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -118,6 +118,7 @@ fn without_steps(arm: &Feasibility, status: Status) -> PlanFile {
         lower_bound: None,
         steps: Vec::new(),
         known: Vec::new(),
+        clearance: None,
         trace: None,
         timing: Timing::default(),
         stats: Stats::default(),

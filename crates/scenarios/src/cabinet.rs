@@ -163,5 +163,7 @@ pub(crate) fn scene(discs: &[Disc], target: usize, width: f64, depth: f64) -> Sc
         exit: None,
         camera: None,
         weights: Weights::default(),
+        clearance: None,
+        friction: None,
     }
 }

@@ -95,5 +95,7 @@ fn scene(discs: &[Disc], target: usize, clutter: f64) -> SceneFile {
         exit: None,
         camera: None,
         weights: Weights::default(),
+        clearance: None,
+        friction: None,
     }
 }

@@ -34,6 +34,7 @@ mod meshes;
 mod model;
 mod names;
 mod placement;
+pub mod played;
 mod read;
 mod region;
 mod report;

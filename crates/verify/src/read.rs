@@ -46,6 +46,8 @@ fn prune_scene(scene: &mut Value) {
             "workspace",
             "exit",
             "camera",
+            "clearance",
+            "friction",
         ]],
     );
     within(scene, "robot", |robot| {
@@ -57,7 +59,7 @@ fn prune_scene(scene: &mut Value) {
     within(scene, "camera", |camera| keep(camera, &[&["position", "look_at", "fov", "enter_unseen"]]));
     for list in ["fixtures", "objects"] {
         each(scene, list, |body| {
-            keep(body, &[&["id"], SHAPES, POSE]);
+            keep(body, &[&["id", "mass", "friction"], SHAPES, POSE]);
             prune_shapes(body);
             each(body, "compound", |part| {
                 keep(part, &[&SHAPES[..5], POSE]);

@@ -246,7 +246,7 @@ impl<R: Rng> Carrier<'_, R> {
 
     fn step(&self, object: ObjectId, segments: Vec<Segment>, world_from_object: &Pose) -> Step {
         let object = self.scene.names[object.index()].clone();
-        Step { object, action: Action::PickPlace, segments, placed: segments::written(world_from_object) }
+        Step { object, action: Action::PickPlace, segments, placed: segments::written(world_from_object), push: None }
     }
 
     /// The moment in which an object is carried from where it stood: what carried it may be touched as long as

@@ -153,6 +153,8 @@ fn scene(objects: &[Object], target: String) -> SceneFile {
         exit: None,
         camera: None,
         weights: Default::default(),
+        clearance: None,
+        friction: None,
     }
 }
 
@@ -231,6 +233,7 @@ impl Mover {
             action: Action::PickPlace,
             segments,
             placed: placed(&put),
+            push: None,
         });
     }
 
