@@ -70,12 +70,18 @@ pub struct PlanArgs {
     /// Where `package://NAME` in the robot's URDF leads.
     #[arg(long, value_name = "NAME=DIR", value_parser = package)]
     pub package: Vec<(String, PathBuf)>,
-    /// Plan as the paper did: greedy search, the roadmap's ways only, its sample counts.
+    /// Plan as the paper did: greedy search, the roadmap's ways only, its sample counts, picks only unless --prefer-push.
     #[arg(long)]
     pub paper: bool,
     /// The exploration limit of the first round.
     #[arg(long, value_enum, default_value_t = First::One)]
     pub first_limit: First,
+    /// Only pick objects, never push them aside.
+    #[arg(long, conflicts_with = "prefer_push")]
+    pub no_push: bool,
+    /// Push objects aside wherever they can be; default: where that takes less time than picking them.
+    #[arg(long)]
+    pub prefer_push: bool,
     /// How the retrieval graph is searched; default: exact, greedy with --paper.
     #[arg(long, value_enum)]
     pub search: Option<SearchKind>,

@@ -23,6 +23,7 @@ pub use clearway_files::FileError;
 pub use clearway_plan::event::{Event, Observer, Silent};
 pub use clearway_motion::{MotionPlanner, MotionProblem, MotionSettings, Surroundings};
 pub use clearway_plan::{Budget, MotionAnswer, MotionFile, PlanFile, RobotFile, SceneFile, Stop};
+pub use clearway_retrieval::push::Pushes;
 pub use clearway_retrieval::{FirstLimit, Planner, Request, SceneDelta, Search, Settings, Unfit};
 pub use clearway_robot::Robot;
 pub use clearway_scenarios as scenarios;

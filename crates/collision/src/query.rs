@@ -73,6 +73,17 @@ impl World {
         if self.meets_itself(frames, centres, directions) { Touch::Fixed } else { Touch::Objects(touched) }
     }
 
+    /// Whether the moving links, or what is held, come closer to one obstacle than the moment's margins.
+    pub fn meets(&self, posture: &[f64], moment: &Moment, obstacle: &Obstacle, scratch: &mut Scratch) -> bool {
+        self.place_links(posture, moment.hand, scratch);
+        let Scratch { frames, centres, directions, .. } = scratch;
+        self.moving(frames, centres).any(|(link, frame, centre)| link_near(link, frame, centre, obstacle, moment.margin, directions))
+            || moment.held.as_ref().is_some_and(|held| {
+                let root_from_object = frames[self.model.kinematics.tool] * held.tool_from_object;
+                held.parts.iter().any(|part| held_near(part, &root_from_object, obstacle, moment.held_margin, directions))
+            })
+    }
+
     /// Whether what is held meets anything fixed, the links being placed; objects met are added.
     pub(crate) fn held_meets(&self, moment: &Moment, scratch: &mut Scratch, touched: &mut ObjectSet) -> bool {
         let Scratch { frames, directions, .. } = scratch;

@@ -179,6 +179,17 @@ impl World {
         Arc::new(Obstacle::new(&self.solids[object.index()], root_from_object, tag))
     }
 
+    /// The same, its upright cylinders wider by `room` all round.
+    pub fn placed_with_room(&self, object: ObjectId, root_from_object: &Pose, room: f64) -> Arc<Obstacle> {
+        let wider = |(pose, convex): &(Pose, Convex)| match convex {
+            Convex::Cylinder { radius, half } => (*pose, Convex::Cylinder { radius: radius + room, half: *half }),
+            other => (*pose, other.clone()),
+        };
+        let solid = Solid { parts: self.solids[object.index()].parts.iter().map(wider).collect() };
+        let tag = self.objects[object.index()].parts.first().map_or(0, |p| p.tag);
+        Arc::new(Obstacle::new(&solid, root_from_object, tag))
+    }
+
     /// An object in the hand, gripped at `object_from_tool`; nothing carries it.
     pub fn in_hand(&self, object: ObjectId, object_from_tool: &Pose) -> Held {
         Held {

@@ -57,8 +57,7 @@ pub struct PlanFile {
 impl PlanFile {
     /// Seconds of motion.
     pub fn duration(&self) -> f64 {
-        // Nothing adds up to -0.
-        self.steps.iter().flat_map(|s| &s.segments).filter_map(|s| s.times.last()).fold(0.0, |sum, last| sum + last)
+        self.steps.iter().map(Step::duration).fold(0.0, |sum, step| sum + step)
     }
 
     /// Where a mobile base drives, in order: between stops, whatever is stopped at in between.
@@ -204,6 +203,14 @@ pub struct Step {
     /// Of a step that pushes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub push: Option<Push>,
+}
+
+impl Step {
+    /// Seconds of motion.
+    pub fn duration(&self) -> f64 {
+        // Nothing adds up to -0.
+        self.segments.iter().filter_map(|s| s.times.last()).fold(0.0, |sum, last| sum + last)
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -405,6 +412,9 @@ pub struct ObjectWhy {
     /// Each set is one way in: all of its objects have to go first.
     #[serde(default, deserialize_with = "null_is_default")]
     pub blocked_by: Vec<Vec<String>>,
+    /// How it was pushed, or why it was picked rather than pushed.
+    #[serde(default, deserialize_with = "null_is_default", skip_serializing_if = "String::is_empty")]
+    pub push: String,
     /// Grasps looked at, by what became of them.
     #[serde(default, deserialize_with = "null_is_default")]
     pub grasps: Vec<GraspCount>,

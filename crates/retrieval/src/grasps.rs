@@ -134,9 +134,6 @@ struct Fingers<'a> {
     known: Vec<(Pose, Option<f64>)>,
 }
 
-/// The hand's links, seen from the tool.
-type Hand = Vec<(usize, Pose)>;
-
 impl<'a> Fingers<'a> {
     fn new(world: &'a World, solid: &'a Solid) -> Self {
         let about_z = |(pose, convex): &(Pose, Convex)| {
@@ -176,7 +173,7 @@ impl<'a> Fingers<'a> {
 
     fn near(&self, value: f64, tool_from_object: &Pose, margin: f64) -> bool {
         let world = self.world;
-        self.hand(value).iter().any(|(link, tool_from_link)| {
+        hand(world, value).iter().any(|(link, tool_from_link)| {
             world.model.robot.links[*link].collision.parts.iter().any(|(part, convex)| {
                 let pose = *tool_from_link * *part;
                 self.solid.parts.iter().any(|(p, c)| closer_than(convex, &pose, c, &(*tool_from_object * *p), margin))
@@ -184,13 +181,15 @@ impl<'a> Fingers<'a> {
         })
     }
 
-    fn hand(&self, value: f64) -> Hand {
-        let model = &self.world.model;
-        let mut frames = Vec::new();
-        model.kinematics.frames(&model.robot.home, value, &mut frames);
-        let back = frames[model.kinematics.tool].inverse();
-        model.robot.hand.links.iter().map(|&link| (link, back * frames[link])).collect()
-    }
+}
+
+/// The hand's links at a value of its joint, each with `tool_from_link`.
+pub(crate) fn hand(world: &World, value: f64) -> Vec<(usize, Pose)> {
+    let model = &world.model;
+    let mut frames = Vec::new();
+    model.kinematics.frames(&model.robot.home, value, &mut frames);
+    let back = frames[model.kinematics.tool].inverse();
+    model.robot.hand.links.iter().map(|&link| (link, back * frames[link])).collect()
 }
 
 /// A pose turned about z so that its z axis (its x axis, where that is upright) has no y.

@@ -56,8 +56,8 @@ pub struct Bring {
 
 impl Handling {
     pub fn new(scene: Scene, model: Arc<CollisionModel>, settings: Settings, seed: u64) -> Result<Self, Unfit> {
-        let Settings { ways, carry, mobile, .. } = settings;
-        let arm = Feasibility::new(scene, model, ways, carry, mobile)?;
+        let Settings { ways, carry, push, mobile, .. } = settings;
+        let arm = Feasibility::new(scene, model, ways, carry, push, mobile)?;
         Ok(Self { arm, random: Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x4861_6e64) })
     }
 
@@ -91,7 +91,7 @@ impl Handling {
         let Feasibility { stands, inverse, floor, settings, scratch, .. } = &mut self.arm;
         let world = &stands[0].world;
         let moved_to = moved_to.map(|at| world.root_from_world * at);
-        let mut ways = Explorer { world, inverse, floor, settings, moved_to }.with_grasp(object, grasp, enough, scratch);
+        let mut ways = Explorer { world, inverse, floor, settings, moved_to, empty: false }.with_grasp(object, grasp, enough, scratch);
         let home = &world.model.robot.home;
         let from_home = |w: &Way| w.postures.last().map_or(f64::INFINITY, |q| distance(q, home));
         ways.sort_by(|a, b| (a.blocked_by.len(), !a.clear).cmp(&(b.blocked_by.len(), !b.clear)).then(from_home(a).total_cmp(&from_home(b))));

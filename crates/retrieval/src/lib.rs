@@ -10,6 +10,7 @@
 //! | [`feasibility`], and under it [`grasps`], [`ways`], [`carry`] | section IV-D |
 //! | [`planner`] | Algorithm 1 |
 //! | [`mobile`] | section V-B |
+//! | [`push`] | section VI-G, Fig. 16 |
 //! | [`handling`] | what symbolic planning asks of the arm (section V-C) |
 //!
 //! Beyond the paper: `direct`, sequences along the arm's own ways; [`order`], the fewest removals when all ways
@@ -32,6 +33,7 @@ pub mod order;
 mod ordered;
 pub mod place;
 pub mod planner;
+pub mod push;
 pub mod roadmap;
 mod stand;
 mod trace;

@@ -9,6 +9,7 @@ use crate::direct::{Direct, Directly};
 use crate::feasibility::{Ending, Feasibility, Journey, NoMotion, Taking, Unfit};
 use crate::graph::{RetrievalGraph, Search, Sequence};
 use crate::mobile;
+use crate::push::{self, Pushes};
 use crate::order::most_in_way;
 use crate::roadmap::{self, Roadmap};
 use crate::trace;
@@ -46,6 +47,7 @@ pub struct Settings {
     pub roadmap: roadmap::Settings,
     pub ways: ways::Settings,
     pub carry: carry::Settings,
+    pub push: push::Settings,
     pub mobile: mobile::Settings,
     /// Only the roadmap's ways to the target, not the arm's own; failures give the smallest
     /// blocking set only; sequences are taken as they are.
@@ -55,7 +57,8 @@ pub struct Settings {
 impl Settings {
     /// What the paper did, as far as it says.
     pub fn paper() -> Self {
-        Self { search: Search::Greedy, roadmap: roadmap::Settings::paper(), as_in_paper: true, ..Self::default() }
+        let push = push::Settings { when: Pushes::Never, ..push::Settings::default() };
+        Self { search: Search::Greedy, roadmap: roadmap::Settings::paper(), push, as_in_paper: true, ..Self::default() }
     }
 
     pub fn validate(&self) -> Result<(), String> {
@@ -111,7 +114,7 @@ impl Planner {
 
     /// A session for one of several scenes with the same robot, which is made ready only once.
     pub fn with_model(scene: Scene, model: Arc<CollisionModel>, settings: Settings) -> Result<Self, Unfit> {
-        let arm = Feasibility::new(scene, model, settings.ways.clone(), settings.carry.clone(), settings.mobile.clone())?;
+        let arm = Feasibility::new(scene, model, settings.ways.clone(), settings.carry.clone(), settings.push.clone(), settings.mobile.clone())?;
         let (roadmap, graph) = (Roadmap::new(&arm.floor), new_graph(&arm.scene));
         Ok(Self { arm, settings, roadmap, graph })
     }

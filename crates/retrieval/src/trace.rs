@@ -1,7 +1,7 @@
 //! Writes down a session's outcome: the plan file, with what was built and why.
 
 use crate::carry::Carried;
-use crate::feasibility::{Ending, Feasibility};
+use crate::feasibility::{Ending, Feasibility, Journey};
 use crate::graph::{RetrievalGraph, Sequence};
 use crate::roadmap::Roadmap;
 use crate::ways::{Stage, Ways};
@@ -17,10 +17,19 @@ use clearway_scene::{Scene, Support};
 use std::collections::BTreeMap;
 
 /// A plan over these objects.
-pub fn solved(arm: &Feasibility, objects: &[ObjectId], carried: Vec<Carried>) -> PlanFile {
+pub fn solved(arm: &Feasibility, objects: &[ObjectId], journey: Journey) -> PlanFile {
     let names = &arm.scene.names;
+    let mut why = why_solved(arm, objects, &journey.carried);
+    for (object, not_pushed) in &journey.not_pushed {
+        why.objects.iter_mut().filter(|w| w.object == names[object.index()]).for_each(|w| w.push = format!("picked: {}", not_pushed.reason()));
+    }
+    let carried = journey.carried;
+    for (step, push) in carried.iter().filter_map(|c| Some((&c.step, c.step.push.as_ref()?))) {
+        let told = format!("pushed aside by {:.0} mm", push.distance * 1e3);
+        why.objects.iter_mut().filter(|w| w.object == step.object).for_each(|w| w.push = told.clone());
+    }
     PlanFile {
-        why: why_solved(arm, objects, &carried),
+        why,
         removed: objects.iter().map(|o| names[o.index()].clone()).collect(),
         steps: carried.into_iter().map(|c| c.step).collect(),
         ..without_steps(arm, Status::Solved)

@@ -181,6 +181,8 @@ pub struct Explorer<'a> {
     pub settings: &'a Settings,
     /// Where the object stands, in the root frame, if not where the scene has it.
     pub moved_to: Option<Pose>,
+    /// The hand goes in and out without the object, which stays where it stands.
+    pub empty: bool,
 }
 
 impl Explorer<'_> {
@@ -372,6 +374,13 @@ impl Explorer<'_> {
     }
 
     fn moment(&self, object: ObjectId, grasp: &Grasp) -> Moment {
+        if self.empty {
+            let others = ObjectSet::first(self.world.objects.len()).difference(ObjectSet::of(object));
+            let mut moment = Moment::new(others, self.world.model.robot.hand.open(), self.settings.margin);
+            moment.placed = vec![(object, self.world.placed(object, &self.pose(object)))];
+            moment.gripping = Some(object);
+            return moment;
+        }
         let mut moment = moment(self.world, self.settings, object, grasp);
         if let (Some(pose), Some(held)) = (self.moved_to, &mut moment.held) {
             (held.fixtures_below, held.objects_below) = self.world.below(object, &pose);

@@ -8,7 +8,7 @@ use crate::cli::{First, LookKind, PlanArgs, SearchKind};
 use crate::exit::{Exit, Failure};
 use crate::interrupt;
 use clearway::pddl::Handling;
-use clearway::{Budget, CollisionModel, FileError, LookRule, FirstLimit, Outcome, Planner, Request, Search, Settings, Stop, Unfit};
+use clearway::{Budget, CollisionModel, FileError, LookRule, FirstLimit, Outcome, Planner, Pushes, Request, Search, Settings, Stop, Unfit};
 use clearway_files::{Limits, yaml};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -47,6 +47,10 @@ pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
     }
     if let Some(option) = args.symbolic.unused() {
         return Err(Failure::bad_input(format!("{option} is for plans with --goal or --symbolic")));
+    }
+    if args.symbolic.asked() && args.prefer_push {
+        let why = "--prefer-push is for plans by the retrieval graph: symbols and streams only pick";
+        return Err(Failure::bad_input(why.to_owned()));
     }
     if args.symbolic.asked() && (args.paper || args.search.is_some() || args.first_limit != First::One) {
         let why = "--paper, --search and --first-limit are for plans by the retrieval graph, without --goal and --symbolic";
@@ -123,6 +127,11 @@ fn settings(args: &PlanArgs) -> Settings {
         None => {}
     }
     settings.mobile.drives = !args.fixed_base;
+    if args.no_push {
+        settings.push.when = Pushes::Never;
+    } else if args.prefer_push {
+        settings.push.when = Pushes::Prefer;
+    }
     settings
 }
 

@@ -74,7 +74,8 @@ pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> Stri
         }
         for step in &plan.why.objects {
             let number = if plan.goal.is_some() { "-".to_owned() } else { format!("{}.", step.order) };
-            out += &format!("  {number} {}: {}\n", step.object, step.reason);
+            let push = if step.push.is_empty() { String::new() } else { format!("; {}", step.push) };
+            out += &format!("  {number} {}: {}{push}\n", step.object, step.reason);
         }
         out += &format!(
             "  planned in {:.1} ms ({:.1} ms choosing, {:.1} ms moving), {:.1} s of motion\n",

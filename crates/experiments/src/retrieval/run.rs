@@ -13,6 +13,7 @@ use clearway_retrieval::occlusion::guess::Rule;
 use clearway_retrieval::occlusion::simulated::play;
 use clearway_retrieval::order::{self, Fewest};
 use clearway_retrieval::handling::Handling;
+use clearway_retrieval::push::{self, Pushes};
 use clearway_retrieval::{Feasibility, FirstLimit, Planner, Request, Settings, Unfit, mobile};
 use clearway_robot::Robot;
 use clearway_scenarios::{self as scenarios, Wanted};
@@ -95,7 +96,7 @@ impl Bench {
         let began = Instant::now();
         let plan = match case.planner {
             TaskPlanner::Exact => {
-                let mut planner = Planner::with_model(scene, model, Settings::default()).map_err(unfit)?;
+                let mut planner = Planner::with_model(scene, model, settings(case)).map_err(unfit)?;
                 return self.exact(&mut planner, row);
             }
             TaskPlanner::Clearway | TaskPlanner::Farthest | TaskPlanner::Largest if case.draw.kind == Kind::Occluded => {
@@ -123,8 +124,8 @@ impl Bench {
                 })?
             }
             TaskPlanner::Traversability | TaskPlanner::ShortestPath | TaskPlanner::BruteForce => {
-                let Settings { ways, carry, mobile, .. } = Settings::default();
-                let mut arm = Feasibility::new(scene, model, ways, carry, mobile).map_err(unfit)?;
+                let Settings { ways, carry, push, mobile, .. } = settings(case);
+                let mut arm = Feasibility::new(scene, model, ways, carry, push, mobile).map_err(unfit)?;
                 let peer: &peers::Peer = match case.planner {
                     TaskPlanner::Traversability => &traversability,
                     TaskPlanner::ShortestPath => &shortest_path,
@@ -262,7 +263,9 @@ fn named(limit: FirstLimit) -> String {
 fn settings(case: &Case) -> Settings {
     let settings = if case.planner == TaskPlanner::Paper { Settings::paper() } else { Settings::default() };
     let mobile = mobile::Settings { drives: case.planner != TaskPlanner::FixedBase, ..settings.mobile };
-    Settings { first_limit: case.first_limit, mobile, ..settings }
+    // The paper's tables are of picks.
+    let push = push::Settings { when: Pushes::Never, ..settings.push };
+    Settings { first_limit: case.first_limit, push, mobile, ..settings }
 }
 
 fn draw_scene(draw: &Draw) -> Result<Drawn, String> {

@@ -6,6 +6,7 @@
 //! result has been checked again with what was there at that time.
 
 mod motions;
+pub mod push;
 pub(crate) mod put_down;
 pub mod relocate;
 mod segments;
@@ -93,12 +94,18 @@ pub struct Situation {
     pub standing: ObjectSet,
     /// World from object.
     pub placed: Vec<(ObjectId, Pose)>,
+    /// Those of them that were pushed there, and how far from there they may be, metres.
+    pub pushed: Vec<(ObjectId, f64)>,
 }
 
 impl Situation {
     /// What was put down, as it is for a robot in this world.
     pub(crate) fn placed(&self, world: &World) -> Vec<(ObjectId, Arc<Obstacle>)> {
-        self.placed.iter().map(|(object, pose)| (*object, world.placed(*object, &(world.root_from_world * *pose)))).collect()
+        let there = |object: ObjectId, pose: &Pose| match self.pushed.iter().find(|(pushed, _)| *pushed == object) {
+            Some((_, room)) => world.placed_with_room(object, pose, *room),
+            None => world.placed(object, pose),
+        };
+        self.placed.iter().map(|(object, pose)| (*object, there(*object, &(world.root_from_world * *pose)))).collect()
     }
 }
 
@@ -195,8 +202,18 @@ impl<R: Rng> Carrier<'_, R> {
         Ok(Ok(Carried { step, after, way_blocked_by: way.blocked_by }))
     }
 
-    /// To an object: free to its way's outer end, then along it; and closes the hand.
+    /// To an object: free to its way's outer end, then along it; the hand can close there.
     fn come(&mut self, object: ObjectId, grasp: &Grasp, way: &Way, before: &Situation) -> Attempt<Timed> {
+        let (there, approach) = attempt!(self.approach(object, way, before));
+        match self.hand_turning(&way.postures[0], &approach, grasp.closed) {
+            Touch::FREE => Ok(Ok(there)),
+            Touch::Objects(touched) => obstructed("closing the hand", touched),
+            Touch::Fixed => obstructed("closing the hand", ObjectSet::EMPTY),
+        }
+    }
+
+    /// To an object with the hand open, and the moment in which it is there.
+    fn approach(&mut self, object: ObjectId, way: &Way, before: &Situation) -> Attempt<(Timed, Moment)> {
         let world = self.world;
         let Some(entry) = way.postures.last() else { return obstructed("the way is empty", ObjectSet::EMPTY) };
         let mut free = Moment::new(before.standing, world.model.robot.hand.open(), self.settings.margin);
@@ -214,23 +231,24 @@ impl<R: Rng> Carrier<'_, R> {
         }
         approach.margin = self.settings.final_margin;
         let there = attempt!(self.timed(&approach, &there, None, "the approach"));
-        match self.hand_turning(&way.postures[0], &approach, grasp.closed) {
-            Touch::FREE => Ok(Ok(there)),
-            Touch::Objects(touched) => obstructed("closing the hand", touched),
-            Touch::Fixed => obstructed("closing the hand", ObjectSet::EMPTY),
-        }
+        Ok(Ok((there, approach)))
     }
 
     /// Lets go of an object that was put down, as `after` has it, and goes back along a path from there; home as
     /// well after the last. `after` is then as it is in the end.
     fn leave(&mut self, object: ObjectId, grasp: &Grasp, after: &mut Situation, back: Path, last: bool) -> Attempt<Vec<Segment>> {
+        let Some(let_go) = back.first().cloned() else { return obstructed("the way back is empty", ObjectSet::EMPTY) };
+        let back = attempt!(self.withdraw(object, after, back, last));
+        Ok(Ok(self.leaving_segments(&let_go, grasp, back)))
+    }
+
+    /// The same with the hand open already.
+    fn withdraw(&mut self, object: ObjectId, after: &mut Situation, back: Path, last: bool) -> Attempt<Timed> {
         let world = self.world;
         let mut leaving = Moment::new(after.standing, world.model.robot.hand.open(), self.settings.final_margin);
         leaving.placed = world.with_unseen(after.placed(world), object);
         leaving.gripping = Some(object);
-        let (Some(let_go), Some(end)) = (back.first().cloned(), back.last().cloned()) else {
-            return obstructed("the way back is empty", ObjectSet::EMPTY);
-        };
+        let Some(end) = back.last().cloned() else { return obstructed("the way back is empty", ObjectSet::EMPTY) };
         let mut back = back;
         if last {
             let mut home = leaving.clone();
@@ -241,7 +259,7 @@ impl<R: Rng> Carrier<'_, R> {
         }
         let back = attempt!(self.timed(&leaving, &back, None, "the retreat"));
         after.posture = back.positions.last().cloned().unwrap_or(end);
-        Ok(Ok(self.leaving_segments(&let_go, grasp, back)))
+        Ok(Ok(back))
     }
 
     fn step(&self, object: ObjectId, segments: Vec<Segment>, world_from_object: &Pose) -> Step {

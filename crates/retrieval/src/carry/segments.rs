@@ -13,8 +13,7 @@ use std::collections::BTreeMap;
 impl<R: Rng> Carrier<'_, R> {
     /// A motion with an open hand that is no approach and no retreat.
     pub fn transit(&self, timed: Timed) -> Segment {
-        let open = self.world.model.robot.hand.open();
-        segment(SegmentKind::Transit, self.widened(timed), self.gripper(GripperValue::Held(open)), None)
+        self.empty_handed(SegmentKind::Transit, timed)
     }
 
     /// The base's values before the arm's.
@@ -28,38 +27,57 @@ impl<R: Rng> Carrier<'_, R> {
     /// To the object, the grasp, and away with it: the rows of `there` are the arm's alone.
     pub(crate) fn taking_segments(&self, object: ObjectId, grasp: &Grasp, there: Timed, across: Vec<Timed>) -> Vec<Segment> {
         let robot = &self.world.model.robot;
-        let standoff = robot.grasps.standoff;
         let (open, closed) = (robot.hand.open(), grasp.closed);
-        let held = |value: f64| -> BTreeMap<String, GripperValue> { self.gripper(GripperValue::Held(value)) };
         let attached = Attached {
             object: self.scene.names[object.index()].clone(),
             tool: robot.links[robot.hand.frame].name.clone(),
             pose_in_tool: written(&grasp.object_from_tool.inverse()),
         };
         let gripped = there.positions.last().cloned().unwrap_or_default();
-        let tool = |q: &Posture| self.world.model.kinematics.tool(q, open).translation;
-        let mut segments = Vec::new();
-        let begins = there.positions.iter().rposition(|q| tool(q).distance(tool(&gripped)) > standoff);
-        let (transit, approach) = split(there, begins);
-        segments.extend(transit.map(|t| segment(SegmentKind::Transit, self.widened(t), held(open), None)));
-        segments.extend(approach.map(|t| segment(SegmentKind::Approach, self.widened(t), held(open), None)));
+        let mut segments = self.coming_segments(there);
         segments.push(self.grip(SegmentKind::Grasp, &gripped, open, closed));
-        segments.extend(across.into_iter().map(|t| segment(SegmentKind::Transfer, t, held(closed), Some(attached.clone()))));
+        let held = self.gripper(GripperValue::Held(closed));
+        segments.extend(across.into_iter().map(|t| segment(SegmentKind::Transfer, t, held.clone(), Some(attached.clone()))));
         segments
+    }
+
+    /// To an object with the hand open: the last of it is the approach.
+    pub(crate) fn coming_segments(&self, there: Timed) -> Vec<Segment> {
+        let (tool, standoff) = (self.tool_position(), self.world.model.robot.grasps.standoff);
+        let end = there.positions.last().map_or(Vec3::ZERO, &tool);
+        let begins = there.positions.iter().rposition(|q| tool(q).distance(end) > standoff);
+        let (transit, approach) = split(there, begins);
+        let transit = transit.map(|t| self.empty_handed(SegmentKind::Transit, t));
+        transit.into_iter().chain(approach.map(|t| self.empty_handed(SegmentKind::Approach, t))).collect()
+    }
+
+    /// Away from an object with the hand open: the first of it is the retreat.
+    pub(crate) fn going_segments(&self, back: Timed) -> Vec<Segment> {
+        let (tool, standoff) = (self.tool_position(), self.world.model.robot.grasps.standoff);
+        let start = back.positions.first().map_or(Vec3::ZERO, &tool);
+        let ends = back.positions.iter().position(|q| tool(q).distance(start) >= standoff - 1e-6);
+        let (retreat, rest) = split(back, ends);
+        let retreat = retreat.map(|t| self.empty_handed(SegmentKind::Retreat, t));
+        retreat.into_iter().chain(rest.map(|t| self.empty_handed(SegmentKind::Transit, t))).collect()
+    }
+
+    /// A motion with the hand open and nothing in it.
+    pub(crate) fn empty_handed(&self, kind: SegmentKind, timed: Timed) -> Segment {
+        let open = self.world.model.robot.hand.open();
+        segment(kind, self.widened(timed), self.gripper(GripperValue::Held(open)), None)
+    }
+
+    /// Where the tool of the open hand is, in the root frame.
+    pub(crate) fn tool_position(&self) -> impl Fn(&Posture) -> Vec3 + use<R> {
+        let model = self.world.model.clone();
+        move |q| model.kinematics.tool(q, model.robot.hand.open()).translation
     }
 
     /// Letting go, and away from it.
     pub(crate) fn leaving_segments(&self, let_go: &Posture, grasp: &Grasp, back: Timed) -> Vec<Segment> {
-        let robot = &self.world.model.robot;
-        let standoff = robot.grasps.standoff;
-        let open = robot.hand.open();
-        let tool = |q: &Posture| self.world.model.kinematics.tool(q, open).translation;
+        let open = self.world.model.robot.hand.open();
         let mut segments = vec![self.grip(SegmentKind::Release, let_go, grasp.closed, open)];
-        let ends = back.positions.iter().position(|q| tool(q).distance(tool(let_go)) >= standoff - 1e-6);
-        let (retreat, home) = split(back, ends);
-        let away = |kind, t| segment(kind, self.widened(t), self.gripper(GripperValue::Held(open)), None);
-        segments.extend(retreat.map(|t| away(SegmentKind::Retreat, t)));
-        segments.extend(home.map(|t| away(SegmentKind::Transit, t)));
+        segments.extend(self.going_segments(back));
         segments
     }
 

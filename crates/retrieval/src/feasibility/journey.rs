@@ -1,9 +1,10 @@
 //! Motions for objects that can be picked in a given order.
 
-use super::{Feasibility, Taking};
+use super::{Feasibility, NoPush, Taking};
 use crate::carry::{Carried, Carrier, Obstruction, Situation};
 use crate::mobile::bring::Elsewhere;
-use clearway_plan::plan_file::{Segment, Timing};
+use crate::push::Pushes;
+use clearway_plan::plan_file::{Action, Segment, Timing};
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -13,6 +14,8 @@ use std::time::{Duration, Instant};
 pub struct Journey {
     pub(super) random: Xoshiro256PlusPlus,
     pub(crate) carried: Vec<Carried>,
+    /// Of each object looked at, why it is not pushed.
+    pub(crate) not_pushed: Vec<(ObjectId, NoPush)>,
     /// The last motion that could not be had.
     pub(crate) obstruction: Option<(ObjectId, &'static str)>,
     /// Spent on motions.
@@ -22,7 +25,7 @@ pub struct Journey {
 impl Journey {
     pub fn new(seed: u64) -> Self {
         let random = Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x4d6f_7665);
-        Self { random, carried: Vec::new(), obstruction: None, spent: Duration::ZERO }
+        Self { random, carried: Vec::new(), not_pushed: Vec::new(), obstruction: None, spent: Duration::ZERO }
     }
 
     /// Counts the time that motions of another journey took.
@@ -66,6 +69,8 @@ macro_rules! carrier {
     };
 }
 
+pub(super) use carrier;
+
 impl Feasibility {
     /// Plans the motions for objects that can all be picked in this order, steps of the journey that
     /// begin alike kept; `taken` hears of each new one.
@@ -75,6 +80,25 @@ impl Feasibility {
         journey: &mut Journey,
         budget: &Budget,
         mut taken: impl FnMut(&str),
+    ) -> Result<Result<(), NoMotion>, Stop> {
+        match self.carry_all(objects, self.pushing.when, journey, budget, &mut taken)? {
+            Err(_) if journey.carried.iter().any(pushed) => {
+                // What was pushed may be what stands in the way.
+                let first = journey.carried.iter().position(pushed).unwrap_or_default();
+                journey.carried.truncate(first);
+                self.carry_all(objects, Pushes::Never, journey, budget, &mut taken)
+            }
+            outcome => Ok(outcome),
+        }
+    }
+
+    fn carry_all(
+        &mut self,
+        objects: &[ObjectId],
+        pushes: Pushes,
+        journey: &mut Journey,
+        budget: &Budget,
+        taken: &mut impl FnMut(&str),
     ) -> Result<Result<(), NoMotion>, Stop> {
         let names = self.scene.names.clone();
         let kept = journey.carried.iter().zip(objects).take_while(|(c, o)| c.step.object == names[o.index()]).count();
@@ -88,7 +112,7 @@ impl Feasibility {
                 journey.obstruction = Some((object, "taking it from under what would fall"));
                 return Ok(Err(NoMotion { object, removed, blamed: vec![fallen.union(removed)] }));
             }
-            let carried = self.carry_one(object, &removed, stops[i - kept], journey, budget);
+            let carried = self.push_or_carry(&objects[i..], &removed, stops[i - kept], pushes, journey, budget);
             journey.spent += began.elapsed();
             match carried? {
                 Ok(carried) => {
@@ -117,6 +141,40 @@ impl Feasibility {
             posture: self.start.clone(),
             standing: self.scene.all(),
             placed: Vec::new(),
+            pushed: Vec::new(),
+        }
+    }
+
+    /// The first of some objects pushed aside, so that the others can be taken, or picked and put down.
+    fn push_or_carry(
+        &mut self,
+        objects: &[ObjectId],
+        removed: &ObjectSet,
+        stop: usize,
+        pushes: Pushes,
+        journey: &mut Journey,
+        budget: &Budget,
+    ) -> Result<Result<Carried, Vec<ObjectSet>>, Stop> {
+        let (object, later) = (objects[0], &objects[1..]);
+        if pushes == Pushes::Never || object == self.scene.target {
+            return self.carry_one(object, removed, stop, journey, budget);
+        }
+        let before = self.situation(journey);
+        journey.not_pushed.retain(|(o, _)| *o != object);
+        let pushed = match self.push_aside(stop, object, removed, later, &before, journey, budget)? {
+            Ok(pushed) if pushes == Pushes::Prefer => return Ok(Ok(pushed)),
+            Ok(pushed) => pushed,
+            Err(reason) => {
+                journey.not_pushed.push((object, reason));
+                return self.carry_one(object, removed, stop, journey, budget);
+            }
+        };
+        match self.carry_one(object, removed, stop, journey, budget)? {
+            Ok(carried) if carried.step.duration() <= pushed.step.duration() => {
+                journey.not_pushed.push((object, NoPush::Slower));
+                Ok(Ok(carried))
+            }
+            _ => Ok(Ok(pushed)),
         }
     }
 
@@ -228,4 +286,8 @@ impl Feasibility {
             Err(obstruction) => Ok(Err(obstruction)),
         }
     }
+}
+
+fn pushed(carried: &Carried) -> bool {
+    carried.step.action == Action::Push
 }

@@ -5,9 +5,11 @@
 //! What was found out about an object's ways is kept: removal is monotone.
 
 mod journey;
+mod pushes;
 mod stops;
 
 pub use journey::{Journey, NoMotion};
+pub use pushes::NoPush;
 
 use crate::barriers::Barriers;
 use crate::bound::Prover;
@@ -16,6 +18,7 @@ use crate::floor::Floor;
 use crate::mobile::{self, Base};
 use crate::order::WaysIn;
 use crate::place;
+use crate::push;
 use crate::roadmap::Roadmap;
 use crate::stand::{Stand, Tools};
 use crate::trace;
@@ -61,6 +64,7 @@ pub struct Feasibility {
     pub(crate) inverse: InverseKinematics,
     pub(crate) settings: ways::Settings,
     pub(crate) carrying: carry::Settings,
+    pub(crate) pushing: push::Settings,
     /// Of the arm.
     start: Posture,
     /// Where the robot stands, or could: the start first. A base that does not drive has no other.
@@ -90,6 +94,7 @@ impl Feasibility {
         model: Arc<CollisionModel>,
         settings: ways::Settings,
         carrying: carry::Settings,
+        pushing: push::Settings,
         mobile: mobile::Settings,
     ) -> Result<Self, Unfit> {
         let mut posture = start_posture(&scene, &model.robot)?;
@@ -111,7 +116,7 @@ impl Feasibility {
         let floor = floor(&scene, &robot, base.is_some());
         let stands = vec![Stand::new(placement, world)];
         let (scratch, trees) = (Scratch::default(), Trees::default());
-        let new = Self { scene, floor, inverse, settings, carrying, start: posture, stands, base, scratch, trees, homing: true };
+        let new = Self { scene, floor, inverse, settings, carrying, pushing, start: posture, stands, base, scratch, trees, homing: true };
         new.start_is_free(&new.start)?;
         let scene = &new.scene;
         if scene.places.is_empty() {
@@ -370,7 +375,7 @@ impl Feasibility {
     pub fn plan_file(&mut self, ending: &Ending, journey: Journey, budget: &Budget) -> PlanFile {
         match ending {
             Ending::Solved(objects) => {
-                let mut plan = trace::solved(self, objects, journey.carried);
+                let mut plan = trace::solved(self, objects, journey);
                 // Of a scene that is partly observed nothing of the kind is known.
                 plan.lower_bound = self.scene.hidden.is_empty().then(|| self.lower_bound(objects.len(), budget));
                 plan

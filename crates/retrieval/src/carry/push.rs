@@ -1,0 +1,242 @@
+//! The motions of a push: to the object with the hand open, straight along with it, and away.
+
+use super::{Attempt, Carried, Carrier, Situation, attempt, obstructed, segments};
+use crate::grasps::hand;
+use crate::push::{GRAVITY, Settings};
+use crate::ways::Way;
+use clearway_collision::Moment;
+use clearway_geometry::{Pose, Vec3};
+use clearway_motion::{Limits, Path, Posture, Space, Timed, distance, roundest, time_curve};
+use clearway_plan::plan_file::{Action, SegmentKind, Step};
+use clearway_plan::push::Push;
+use clearway_plan::{ObjectId, ObjectSet};
+use rand::Rng;
+
+/// Between postures of a push, metres.
+const STEP: f64 = 0.01;
+/// And of the way out.
+const OUT: f64 = 0.02;
+/// No joint turns farther from one to the next, radians, …
+const REACH: f64 = 0.4;
+/// … nor from the end of the push to where the way out begins.
+const NEAR: f64 = 0.5;
+/// The hand is looked at without the object until it is this near, metres.
+const BEFORE: f64 = 5e-4;
+
+/// A push, but for the motions.
+pub struct Shove<'a> {
+    pub object: ObjectId,
+    /// Root from tool, round the object where it stands, not touching it.
+    pub from: Pose,
+    /// Unit, in the root frame.
+    pub direction: Vec3,
+    /// The hand's way to the object, and the object's.
+    pub free: f64,
+    pub distance: f64,
+    /// Above the object's bottom: where it is pushed, and where it would tip.
+    pub height: f64,
+    pub tips_at: f64,
+    pub friction: f64,
+    /// In to `from`, and out from there along with the object.
+    pub way_in: &'a Way,
+    pub ways_out: &'a [Way],
+}
+
+impl<R: Rng> Carrier<'_, R> {
+    pub fn push(&mut self, shove: &Shove, settings: &Settings, before: &Situation) -> Attempt<Carried> {
+        let (world, object) = (self.world, shove.object);
+        let Some(path) = self.along(shove) else {
+            return obstructed("the push: the arm does not reach so far", ObjectSet::EMPTY);
+        };
+        let from = world.poses[object.index()];
+        let world_from_object = world.world_from_root * Pose::new(from.rotation, from.translation + shove.direction * shove.distance);
+        let mut after = before.clone();
+        after.standing.remove(object);
+        after.placed.push((object, world_from_object));
+        let moments = self.moments(shove, before);
+        // What is cheap to see comes first.
+        let tool = self.tool_position();
+        let with_it = |q: &&Posture| (tool(q) - shove.from.translation).dot(shove.direction) >= shove.free;
+        let mut going = Space::quick(world, &moments.1, self.settings.step);
+        if !path.iter().filter(with_it).all(|q| going.free(q)) {
+            return obstructed("the push", ObjectSet::EMPTY);
+        }
+        let Some(back) = self.ways_back(shove, &path, &after).into_iter().next() else {
+            return obstructed("the push: no way out for the hand", ObjectSet::EMPTY);
+        };
+        let pushed = attempt!(self.pushed(shove, settings, &path, &moments));
+        let (there, _) = attempt!(self.approach(object, shove.way_in, before));
+        let back = attempt!(self.withdraw(object, &mut after, back, false));
+        after.pushed.push((object, settings.margin_of_error));
+
+        let mut segments = self.coming_segments(there);
+        segments.push(self.empty_handed(SegmentKind::Push, pushed));
+        segments.extend(self.going_segments(back));
+        let step = Step {
+            object: self.scene.names[object.index()].clone(),
+            action: Action::Push,
+            segments,
+            placed: segments::written(&world_from_object),
+            push: Some(Push {
+                direction: (world.world_from_root.rotation * shove.direction).to_array(),
+                distance: shove.distance,
+                free: shove.free,
+                height: shove.height,
+                tips_at: shove.tips_at,
+                margin_of_error: settings.margin_of_error,
+            }),
+        };
+        Ok(Ok(Carried { step, after, way_blocked_by: shove.way_in.blocked_by }))
+    }
+
+    /// Straight on from the way in, the tool not turning.
+    fn along(&self, shove: &Shove) -> Option<Path> {
+        let whole = shove.free + shove.distance;
+        let count = (whole / STEP).ceil().max(1.0) as usize;
+        let mut path = vec![shove.way_in.postures.first()?.clone()];
+        for i in 1..=count {
+            let at = shove.from.translation + shove.direction * (whole * i as f64 / count as f64);
+            path.push(self.inverse.follow(&Pose::new(shove.from.rotation, at), &path, REACH)?);
+        }
+        Some(path)
+    }
+
+    /// With the hand on its way to the object, and with the object before it.
+    fn moments(&self, shove: &Shove, before: &Situation) -> (Moment, Moment) {
+        let (world, object) = (self.world, shove.object);
+        let mut coming = Moment::new(before.standing, world.model.robot.hand.open(), self.settings.final_margin);
+        coming.placed = before.placed(world);
+        let mut going = coming.clone();
+        coming.gripping = Some(object);
+        going.standing.remove(object);
+        let at_contact = Pose::new(shove.from.rotation, shove.from.translation + shove.direction * shove.free);
+        let mut held = world.in_hand(object, &(world.poses[object.index()].inverse() * at_contact));
+        held.kernel = Some(world.model.holding(&held.solid()));
+        (held.fixtures_below, held.objects_below) = world.carriers[object.index()].clone();
+        going.held = Some(held);
+        going.resting = true;
+        going.held_margin = self.settings.final_held_margin;
+        (coming, going)
+    }
+
+    /// Ways out for the hand once the object is where it goes: straight out, or off the object and back to where
+    /// the hand came in.
+    fn ways_back(&self, shove: &Shove, path: &Path, after: &Situation) -> Vec<Path> {
+        let (world, object) = (self.world, shove.object);
+        let mut leaving = Moment::new(after.standing, world.model.robot.hand.open(), self.settings.final_margin);
+        leaving.placed = after.placed(world);
+        leaving.gripping = Some(object);
+        let mut leaving = Space::quick(world, &leaving, self.settings.step);
+        let end = &path[path.len() - 1];
+        let off = |way: &&Way| way.postures.first().map_or(f64::INFINITY, |q| distance(q, end));
+        let straight = shove.ways_out.iter().min_by(|a, b| off(a).total_cmp(&off(b))).filter(|way| off(way) < NEAR);
+        let straight = straight.map(|way| [end].into_iter().chain(&way.postures).cloned().collect::<Path>());
+        let mut back: Vec<Path> = straight.into_iter().chain(self.back_to_way_in(shove, end)).collect();
+        back.retain(|path| path.iter().skip(1).all(|q| leaving.free(q)));
+        back
+    }
+
+    /// Off the object, the finger that pushed first, then aside to the way in, and out along it.
+    fn back_to_way_in(&self, shove: &Shove, end: &Posture) -> Option<Path> {
+        const FINGER: f64 = 0.03;
+        let Pose { rotation, translation: from } = shove.from;
+        let back = -rotation.z_axis;
+        let ahead = shove.direction.dot(back) < -0.9;
+        let last = from + shove.direction * (shove.free + shove.distance);
+        let mut path = vec![end.clone()];
+        let to = |at: Vec3, path: &mut Path| self.inverse.follow(&Pose::new(rotation, at), path, REACH).map(|q| path.push(q));
+        let off = if ahead { shove.free + shove.distance } else { self.past_fingers(shove) };
+        let steps = (off / OUT).ceil().max(1.0) as usize;
+        for i in 1..=steps {
+            let out = off * i as f64 / steps as f64;
+            let centred = if ahead { Vec3::ZERO } else { shove.direction * shove.free * (out / FINGER).min(1.0) };
+            to(last + back * out - centred, &mut path)?;
+        }
+        if !ahead {
+            let aside = (shove.distance / OUT).ceil().max(1.0) as usize;
+            for i in 1..=aside {
+                to(from + back * off + shove.direction * (shove.distance * (1.0 - i as f64 / aside as f64)), &mut path)?;
+            }
+        }
+        let tool = self.tool_position();
+        let off = if ahead { 0.0 } else { off };
+        let rest = shove.way_in.postures.iter().skip(1).skip_while(|q| (tool(q) - from).dot(back) < off - 1e-6);
+        let before = path.len();
+        path.extend(rest.cloned());
+        let joins = path.get(before).is_some_and(|q| distance(q, &path[before - 1]) < NEAR);
+        joins.then_some(path)
+    }
+
+    /// How far back the hand is off the object: its fingers end before it begins.
+    fn past_fingers(&self, shove: &Shove) -> f64 {
+        const ROOM: f64 = 0.01;
+        let (world, robot) = (self.world, &self.world.model.robot);
+        let tips = hand(world, robot.hand.open()).into_iter().flat_map(|(link, tool_from_link)| {
+            let parts = &robot.links[link].collision.parts;
+            parts.iter().map(move |(part, convex)| {
+                let pose = tool_from_link * *part;
+                pose.point(convex.support(pose.rotation.transpose() * Vec3::Z)).z
+            })
+        });
+        let pose = world.poses[shove.object.index()];
+        let back = pose.rotation.transpose() * -shove.from.rotation.z_axis;
+        let front = world.solids[shove.object.index()].support(back).dot(back);
+        tips.fold(0.0, f64::max) + front + ROOM
+    }
+
+    /// The push itself, timed so that the object stays with the hand when it brakes, and checked.
+    fn pushed(&mut self, shove: &Shove, settings: &Settings, path: &Path, (coming, going): &(Moment, Moment)) -> Attempt<Timed> {
+        const WHAT: &str = "the push";
+        let world = self.world;
+        let tool = self.tool_position();
+        let start = shove.from.translation;
+        let gone = |q: &Posture| (tool(q) - start).dot(shove.direction);
+        let timed = self.gently(path, settings.speed, settings.braking * shove.friction * GRAVITY, gone);
+        let rows = &timed.positions;
+        if rows.len() < 2 {
+            return obstructed(WHAT, ObjectSet::EMPTY);
+        }
+        let met = rows.iter().position(|q| gone(q) >= shove.free - BEFORE).unwrap_or(rows.len() - 1);
+
+        let mut before_it = Space::quick(world, coming, self.settings.final_step);
+        let mut with_it = Space::quick(world, going, self.settings.final_step);
+        // Between two rows it is met.
+        let last = met.max(1) - 1;
+        if before_it.rows_free(&rows[..=last]) && with_it.rows_free(&rows[last..]) {
+            return Ok(Ok(timed));
+        }
+        let blamed = with_it.path_touched(rows).unwrap_or_default();
+        obstructed(WHAT, blamed)
+    }
+
+    /// A path timed so that the tool keeps to a speed and an acceleration along it.
+    fn gently(&self, path: &Path, speed: f64, acceleration: f64, gone: impl Fn(&Posture) -> f64) -> Timed {
+        let robot = &self.world.model.robot;
+        let limits = |slower: f64| Limits {
+            velocity: robot.velocity.iter().map(|v| v / slower).collect(),
+            acceleration: robot.acceleration.iter().map(|a| a / slower.powi(2)).collect(),
+            jerk: robot.jerk.iter().map(|j| j / slower.powi(3)).collect(),
+        };
+        let curve = roundest(path);
+        let mut slower = 1.0;
+        let mut timed = time_curve(&curve, &limits(slower), self.settings.row);
+        for _ in 0..4 {
+            let excess = excess(&timed, speed, acceleration, &gone);
+            if excess <= 1.0 {
+                break;
+            }
+            slower *= excess * 1.005;
+            timed = time_curve(&curve, &limits(slower), self.settings.row);
+        }
+        timed
+    }
+}
+
+/// By what factor a motion has to be slower to keep to a speed and an acceleration.
+fn excess(timed: &Timed, speed: f64, acceleration: f64, gone: impl Fn(&Posture) -> f64) -> f64 {
+    let at: Vec<(f64, f64)> = timed.times.iter().copied().zip(timed.positions.iter().map(gone)).collect();
+    let speeds: Vec<(f64, f64)> = at.windows(2).map(|w| ((w[0].0 + w[1].0) / 2.0, (w[1].1 - w[0].1) / (w[1].0 - w[0].0))).collect();
+    let fastest = speeds.iter().map(|s| s.1.abs()).fold(0.0, f64::max);
+    let changes = speeds.windows(2).map(|w| ((w[1].1 - w[0].1) / (w[1].0 - w[0].0)).abs());
+    (fastest / speed).max((changes.fold(0.0, f64::max) / acceleration).sqrt())
+}

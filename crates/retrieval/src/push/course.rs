@@ -1,0 +1,67 @@
+//! How far an object can slide: clear of everything, and on what carries it.
+
+use clearway_collision::{Obstacle, World};
+use clearway_geometry::{Pose, Vec3};
+use clearway_plan::{ObjectId, ObjectSet};
+use clearway_scene::Scene;
+
+/// Between places looked at, metres: from one to the next a cylinder as wide as a bottle sweeps less than 0.1 mm
+/// beyond both.
+const STEP: f64 = 0.005;
+/// An object is looked at raised by this more than its margin: what carries it does not count.
+const RAISED: f64 = 0.003;
+/// Between places at which it is made sure that it does not tip over an edge, metres.
+const STANDS_STEP: f64 = 0.04;
+
+/// What is pushed, from where (root frame), and what else there is.
+pub(crate) struct Course<'a> {
+    pub world: &'a World,
+    pub scene: &'a Scene,
+    pub object: ObjectId,
+    /// Others that stand where the scene has them.
+    pub standing: ObjectSet,
+    /// Others elsewhere.
+    pub placed: &'a [(ObjectId, std::sync::Arc<Obstacle>)],
+    /// Room kept all round.
+    pub room: f64,
+}
+
+impl Course<'_> {
+    pub fn pose(&self, direction: Vec3, distance: f64) -> Pose {
+        let from = self.world.poses[self.object.index()];
+        Pose::new(from.rotation, from.translation + direction * distance)
+    }
+
+    /// How far it can go before something is nearer than the room kept, up to `farthest`.
+    pub fn clear(&self, direction: Vec3, farthest: f64) -> f64 {
+        let Self { world, object, room, .. } = *self;
+        let raise = world.up() * (room + RAISED);
+        let mut distance = 0.0;
+        while distance <= farthest + 1e-9 {
+            let at = self.pose(direction, distance);
+            let there = world.placed_with_room(object, &Pose::new(at.rotation, at.translation + raise), room);
+            let meets = |other: &Obstacle| {
+                other.near_bound(there.bound.centre, there.bound.radius, 0.0)
+                    && there.parts.iter().any(|p| other.parts.iter().any(|o| o.near_convex(&p.convex, &p.root_from_part, 0.0)))
+            };
+            let standing = self.standing.iter().any(|id| meets(&world.objects[id.index()]));
+            if standing || world.fixtures.iter().any(meets) || self.placed.iter().any(|(_, o)| meets(o)) {
+                break;
+            }
+            distance += STEP;
+        }
+        (distance - STEP).max(0.0)
+    }
+
+    /// Whether it stays on what carries it, all the way and a margin further.
+    pub fn carried(&self, direction: Vec3, distance: f64) -> bool {
+        let Self { world, scene, object, room, .. } = *self;
+        let (fixtures, _) = &world.carriers[object.index()];
+        let steps = (distance / STANDS_STEP).ceil().max(1.0) as usize;
+        let stops = (1..=steps).map(|i| distance * i as f64 / steps as f64).chain([distance + room]);
+        stops.into_iter().all(|d| {
+            let at = self.pose(direction, d);
+            world.below(object, &at).0 == *fixtures && scene.stands(object, &(world.world_from_root * at), ObjectSet::EMPTY)
+        })
+    }
+}
