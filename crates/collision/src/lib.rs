@@ -25,7 +25,7 @@ mod suspects;
 mod world;
 
 pub use model::{CollisionModel, Standing};
-pub use moment::{Held, Lean, Moment};
+pub use moment::{Close, Held, Lean, Moment};
 pub use obstacle::Obstacle;
 pub use pairs::unchecked_pairs;
 pub use probe::{Probe, Slack};

@@ -6,6 +6,13 @@ use clearway_geometry::{Pose, Solid, Vec3};
 use clearway_plan::{ObjectId, ObjectSet};
 use std::sync::Arc;
 
+/// What is nearer than the room asked for, metres.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Close {
+    pub fixtures: Vec<(usize, f64)>,
+    pub objects: Vec<(ObjectId, f64)>,
+}
+
 /// What the hand holds.
 #[derive(Clone, Debug)]
 pub struct Held {
@@ -18,6 +25,8 @@ pub struct Held {
     pub fixtures_below: Vec<usize>,
     /// Likewise, objects, standing where the scene has them or put down elsewhere.
     pub objects_below: ObjectSet,
+    /// What stood nearer to it than the room asked for, and how near, metres: with those it keeps as much.
+    pub close: Arc<Close>,
     /// The robot with the object in its hand, for quick answers; without it what is held is looked
     /// at exactly everywhere.
     pub kernel: Option<Arc<Kernel>>,
@@ -70,6 +79,18 @@ pub struct Moment {
 }
 
 impl Moment {
+    /// Closer than this is touching, for what is held and a fixture.
+    pub(crate) fn held_margin_to_fixture(&self, index: usize) -> f64 {
+        let close = self.held.iter().flat_map(|held| &held.close.fixtures);
+        close.filter(|(f, _)| *f == index).fold(self.held_margin, |margin, (_, close)| margin.min(*close))
+    }
+
+    /// The same with an object, wherever it stands.
+    pub(crate) fn held_margin_to_object(&self, id: ObjectId) -> f64 {
+        let close = self.held.iter().flat_map(|held| &held.close.objects);
+        close.filter(|(o, _)| *o == id).fold(self.held_margin, |margin, (_, close)| margin.min(*close))
+    }
+
     pub fn new(standing: ObjectSet, hand: f64, margin: f64) -> Self {
         Self { standing, placed: Vec::new(), held: None, gripping: None, resting: false, lean: None, hand, margin, held_margin: margin }
     }

@@ -96,7 +96,7 @@ impl World {
             let last = self.model.links.len();
             let root_from_object = frames[self.model.kinematics.tool] * held.tool_from_object;
             for part in held.parts.iter() {
-                check!(|s: &Slack| s.links[last], |more| self.held_near(part, &root_from_object, moment, held, moment.held_margin + more, directions));
+                check!(|s: &Slack| s.links[last], |more| self.held_near(part, &root_from_object, moment, held, more, directions));
                 for (index, link) in self.model.links.iter().enumerate() {
                     let Some(link) = link.as_ref().filter(|l| !l.hand) else { continue };
                     check!(|s: &Slack| s.links[last] + s.links[index], |more: f64| {
@@ -145,21 +145,21 @@ impl World {
             })
     }
 
-    /// Whether a part of what is held comes closer than `margin` to anything but the robot.
+    /// Whether a part of what is held comes closer to anything but the robot than it may, or by `more` less.
     fn held_near(
         &self,
         part: &MovingPart,
         root_from_object: &Pose,
         moment: &Moment,
         held: &crate::Held,
-        margin: f64,
+        more: f64,
         directions: &mut Directions,
     ) -> bool {
-        let mut near = |o: &Obstacle| held_near(part, root_from_object, o, margin, directions);
+        let mut near = |o: &Obstacle, margin: f64| held_near(part, root_from_object, o, margin + more, directions);
         let resting = moment.resting;
         let below = if resting { held.objects_below } else { ObjectSet::EMPTY };
-        self.fixtures.iter().enumerate().any(|(i, f)| !(resting && held.fixtures_below.contains(&i)) && near(f))
-            || moment.standing.difference(below.with(held.object)).iter().any(|id| near(&self.objects[id.index()]))
-            || moment.placed.iter().any(|(id, o)| !below.contains(*id) && near(o))
+        self.fixtures.iter().enumerate().any(|(i, f)| !(resting && held.fixtures_below.contains(&i)) && near(f, moment.held_margin_to_fixture(i)))
+            || moment.standing.difference(below.with(held.object)).iter().any(|id| near(&self.objects[id.index()], moment.held_margin_to_object(id)))
+            || moment.placed.iter().any(|(id, o)| !below.contains(*id) && near(o, moment.held_margin_to_object(*id)))
     }
 }

@@ -130,18 +130,18 @@ impl World {
         let margin = moment.held_margin;
         let aabb = part.convex.aabb(&(*root_from_object * part.pose));
         let mut near =
-            |o: &Obstacle| o.near_aabb(aabb, margin) && held_near(part, root_from_object, o, margin, directions);
+            |o: &Obstacle, margin: f64| o.near_aabb(aabb, margin) && held_near(part, root_from_object, o, margin, directions);
         for (index, fixture) in self.fixtures.iter().enumerate() {
-            if !(moment.resting && held.fixtures_below.contains(&index)) && near(fixture) {
+            if !(moment.resting && held.fixtures_below.contains(&index)) && near(fixture, moment.held_margin_to_fixture(index)) {
                 return true;
             }
         }
         let carriers = if moment.resting { held.objects_below } else { ObjectSet::EMPTY };
-        if moment.placed.iter().any(|(id, o)| !carriers.contains(*id) && near(o)) {
+        if moment.placed.iter().any(|(id, o)| !carriers.contains(*id) && near(o, moment.held_margin_to_object(*id))) {
             return true;
         }
         for id in moment.standing.difference(carriers).difference(ObjectSet::of(held.object)).iter() {
-            if near(&self.objects[id.index()]) {
+            if near(&self.objects[id.index()], moment.held_margin_to_object(id)) {
                 touched.insert(id);
             }
         }

@@ -18,6 +18,11 @@ pub enum Contact {
 }
 
 impl Contact {
+    /// Whether it is not the robot with itself.
+    pub fn is_with_scene(&self) -> bool {
+        !matches!(self, Contact::Links(..))
+    }
+
     /// What the link touches, by name.
     pub fn other(self) -> String {
         match self {

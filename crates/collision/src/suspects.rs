@@ -124,7 +124,11 @@ impl<'a> At<'a> {
             let margin = match world.model.links.get(s.link) {
                 Some(Some(link)) => world.margin(moment, owner, link.hand),
                 Some(None) => return None,
-                None => moment.held_margin,
+                None => match owner {
+                    Owner::Fixture(index) => moment.held_margin_to_fixture(index),
+                    Owner::Standing(id) => moment.held_margin_to_object(id),
+                    Owner::Placed(index) => moment.held_margin_to_object(moment.placed.get(index)?.0),
+                },
             };
             Some((Question::Obstacle { body: s.link, obstacle, margin }, s.lanes))
         });

@@ -2,9 +2,10 @@
 
 use crate::lanes::{Obstacles, Piece, Relative, link_owner, owner_link};
 use crate::model::{CollisionModel, TAGS_PER_LINK};
-use crate::moment::Held;
-use crate::obstacle::{MovingPart, Obstacle};
+use crate::moment::{Close, Held};
+use crate::obstacle::{MovingPart, Obstacle, PlacedPart};
 use crate::quick::pieces;
+use clearway_geometry::distance::distance;
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
 use clearway_plan::{ObjectId, ObjectSet};
 use clearway_scene::{Scene, Support};
@@ -28,6 +29,8 @@ pub struct World {
     pub loads: Vec<ObjectSet>,
     /// `root_from_object`, where the scene has them.
     pub poses: Vec<Pose>,
+    /// By object id: what is nearer to it, where the scene has it, than the clearance asked for.
+    pub close: Vec<Arc<Close>>,
     /// By part of the kernel's body, as masks: what it never touches whatever the posture, and links that it
     /// is not checked against.
     pub(crate) never: Arc<Vec<Vec<u16>>>,
@@ -78,6 +81,7 @@ impl World {
             carried: Vec::new(),
             loads: Vec::new(),
             poses: Vec::new(),
+            close: Vec::new(),
             never: Arc::default(),
             carriers: Vec::new(),
             obstacles: Arc::default(),
@@ -126,6 +130,7 @@ impl World {
         self.poses = scene.objects.iter().map(|o| self.root_from_world * o.pose).collect();
         let ids = (0..self.objects.len()).map(|i| ObjectId(i as u16));
         self.carriers = ids.map(|id| self.below(id, &self.poses[id.index()])).collect();
+        self.close = (0..self.objects.len()).map(|i| Arc::new(self.nearer(i, scene.clearance()))).collect();
         let all = self.fixtures.iter().chain(&self.objects).enumerate();
         self.obstacles = Arc::new(Obstacles::new(all.flat_map(|(i, o)| pieces(o, i)).chain(self.still_links()).collect()));
         self.never = Arc::new(self.never());
@@ -198,7 +203,29 @@ impl World {
             tool_from_object: object_from_tool.inverse(),
             fixtures_below: Vec::new(),
             objects_below: ObjectSet::EMPTY,
+            close: self.close[object.index()].clone(),
             kernel: None,
+        }
+    }
+
+    /// What is nearer to an object, where the scene has it, than `clearance`; nothing for no clearance.
+    fn nearer(&self, object: usize, clearance: f64) -> Close {
+        /// Kept off what is measured, metres.
+        const ROUNDING: f64 = 5e-5;
+        let placed = self.placed(ObjectId(object as u16), &self.poses[object]);
+        let room = |other: &Obstacle| {
+            let near = other.near_bound(placed.bound.centre, placed.bound.radius, clearance);
+            let apart = |p: &PlacedPart, o: &PlacedPart| distance(&p.convex, &p.root_from_part, &o.convex, &o.root_from_part);
+            let to = |o: &PlacedPart| placed.parts.iter().map(|p| apart(p, o)).fold(f64::INFINITY, f64::min);
+            let gap = near.then(|| other.parts.iter().map(to).fold(f64::INFINITY, f64::min));
+            gap.filter(|gap| *gap < clearance).map(|gap| (gap - ROUNDING).max(0.0))
+        };
+        if clearance <= 0.0 {
+            return Close::default();
+        }
+        Close {
+            fixtures: self.fixtures.iter().enumerate().filter_map(|(i, f)| Some((i, room(f)?))).filter(|(i, _)| !self.carriers[object].0.contains(i)).collect(),
+            objects: (0..self.objects.len()).filter(|o| *o != object).filter_map(|o| Some((ObjectId(o as u16), room(&self.objects[o])?))).collect(),
         }
     }
 

@@ -53,7 +53,8 @@ fn rows_are_clear_exactly_when_dense_samples_are() {
                 tool_from_object: Pose::from_rpy([-std::f64::consts::FRAC_PI_2, 0.0, 0.0], Vec3::ZERO),
                 fixtures_below: Vec::new(),
                 objects_below: ObjectSet::EMPTY,
-                kernel: None,
+                close: Arc::default(),
+        kernel: None,
             };
             held.kernel = Some(world.model.holding(&held.solid()));
             moment.held = Some(held);

@@ -26,6 +26,7 @@ fn posture(world: &World, random: &mut Xoshiro256PlusPlus) -> Vec<f64> {
 
 fn held(world: &World, object: ObjectId) -> Held {
     Held {
+        close: Arc::default(),
         kernel: None,
         object,
         parts: world.carried[object.index()].clone(),

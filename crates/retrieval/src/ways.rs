@@ -44,6 +44,22 @@ impl Default for Settings {
     }
 }
 
+impl Settings {
+    /// With so much room kept from everything, metres.
+    #[must_use]
+    pub fn with_clearance(self, clearance: f64) -> Self {
+        if clearance <= 0.0 {
+            return self;
+        }
+        Self {
+            lift: self.lift.max(1.2 * clearance + 0.003),
+            margin: clearance + self.margin,
+            held_margin: clearance + self.held_margin,
+            ..self
+        }
+    }
+}
+
 /// No joint turns farther from one posture of a way to the next, radians.
 pub(crate) const REACH: f64 = 0.6;
 

@@ -188,8 +188,11 @@ fn draw_until(
     loop {
         let mut file = draw(&mut random)?;
         file.name = format!("{kind}-{}-{}", wanted.objects, wanted.seed);
-        let scene = Scene::from_file_struct(file, Path::new(".")).map_err(|e| NoScene::Unsound(e.to_string()))?;
-        let file = scene.file.clone();
+        let scene = Scene::from_file_struct(file.clone(), Path::new(".")).map_err(|e| NoScene::Unsound(e.to_string()))?;
+        // As it was read, on what carries it; defaults are left to whoever reads it next.
+        for (drawn, read) in file.objects.iter_mut().zip(&scene.file.objects) {
+            drawn.position = read.position;
+        }
         let as_wanted = is_as_wanted(scene, model.clone())?;
         if as_wanted || rejected + 1 == MOST_DRAWS {
             return Ok(Drawn { file, rejected, as_wanted });

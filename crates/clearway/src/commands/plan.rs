@@ -153,6 +153,11 @@ fn unfit(scene: &Path, unfit: &Unfit) -> Failure {
             error(&["robot", "start"], &format!("the robot's start posture is in collision: {}", list.join("; ")))
                 .help("give a free `robot.start`, or move the robot's `base` or what it touches")
         }
+        Unfit::StartTooNear(contacts) => {
+            let list: Vec<String> = contacts.iter().map(|c| c.to_string().replace(" touches ", " to ")).collect();
+            error(&["clearance"], &format!("at the start there is less room than the clearance asked for: {}", list.join("; ")))
+                .help("ask for less, or give another `robot.start`")
+        }
         Unfit::BadStart(why) => error(&["robot", "start"], why).help("`clearway robot` lists the joints and their limits"),
         Unfit::Region(why) => error(&["robot", "region"], why).help("make the region larger, or move the robot's start"),
         Unfit::Drives(why) => error(&["robot"], why).help("hold the base still: a robot file without `mobile`, the base's pose in the scene"),

@@ -46,8 +46,11 @@ pub struct Settings {
     pub final_held_margin: f64,
     /// Rows are at most this far apart, seconds.
     pub row: f64,
-    /// How far above its spot an object is before it is lowered, metres.
+    /// How far above its spot an object is before it is lowered, metres, in steps of.
     pub lower_from: f64,
+    pub lower_step: f64,
+    /// What is held counts as resting up to this height above where it stood, metres.
+    pub resting: f64,
     /// Spots for which a motion is tried before giving up.
     pub spots: usize,
     /// How far what is held may lean while it is carried, where that can be had: radians.
@@ -73,11 +76,32 @@ impl Default for Settings {
             final_held_margin: 0.0001,
             row: 0.016,
             lower_from: 0.06,
+            lower_step: 0.02,
+            resting: 0.008,
             spots: 4,
             lean: 0.13,
             level_iterations: 250,
             guides: 60,
             grip_time: 0.3,
+        }
+    }
+}
+
+impl Settings {
+    /// With so much room kept from everything, metres.
+    #[must_use]
+    pub fn with_clearance(self, clearance: f64) -> Self {
+        if clearance <= 0.0 {
+            return self;
+        }
+        Self {
+            margin: clearance + self.margin,
+            final_margin: clearance + self.final_margin,
+            final_held_margin: clearance + self.final_held_margin,
+            lower_from: self.lower_from.max(3.0 * clearance),
+            lower_step: self.lower_step.max(1.5 * clearance),
+            resting: self.resting.max(1.1 * clearance + 0.001),
+            ..self
         }
     }
 }

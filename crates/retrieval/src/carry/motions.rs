@@ -9,9 +9,6 @@ use clearway_motion::{
 use clearway_plan::{ObjectSet, Stop};
 use rand::{Rng, RngExt};
 
-/// What is held counts as resting up to this height above where it stood, metres.
-const RESTING: f64 = 0.008;
-
 impl<R: Rng> Carrier<'_, R> {
     /// What the robot touches while its hand turns from where a moment has it to another value: fingers may
     /// swing outwards on their way.
@@ -116,7 +113,7 @@ impl<R: Rng> Carrier<'_, R> {
         let (first, last) = (tool(&rows[0]), tool(&rows[rows.len() - 1]));
         let low = |q: &Posture, end: Vec3| {
             let off = tool(q) - end;
-            off.dot(self.world.up()).abs() < RESTING && off.length() < reach
+            off.dot(self.world.up()).abs() < self.settings.resting && off.length() < reach
         };
         let from = rows.iter().position(|q| !low(q, first)).unwrap_or(rows.len() - 1);
         let to = rows.iter().rposition(|q| !low(q, last)).unwrap_or(from).max(from);

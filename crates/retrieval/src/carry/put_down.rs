@@ -66,7 +66,6 @@ impl<R: Rng> Carrier<'_, R> {
 
     /// Whether the object can be lowered onto a spot and let go of there.
     pub(crate) fn put_down(&mut self, held: &Held, grasp: &Grasp, entry: &Posture, carrying: &Moment, pose: Pose) -> Option<Placement> {
-        const LOWER_STEP: f64 = 0.02;
         const BACK_STEP: f64 = 0.025;
         let world = self.world;
         let object = held.object;
@@ -79,7 +78,7 @@ impl<R: Rng> Carrier<'_, R> {
             return None;
         }
         // It comes down from above, clear of all but what will carry it.
-        let above = world.placed(object, &Pose::new(pose.rotation, pose.translation + world.up() * LOWER_STEP));
+        let above = world.placed(object, &Pose::new(pose.rotation, pose.translation + world.up() * self.settings.lower_step));
         if world.fixtures.iter().any(|f| overlap(&above, f)) {
             return None;
         }
@@ -111,7 +110,7 @@ impl<R: Rng> Carrier<'_, R> {
             let mut lower = vec![down.clone()];
             let mut height = 0.0;
             while height < self.settings.lower_from - 1e-9 {
-                height += LOWER_STEP;
+                height += self.settings.lower_step;
                 let target = Pose::new(at.rotation, at.translation + world.up() * height);
                 let Some(q) = self.inverse.follow(&target, &lower, 0.5) else { continue 'branch };
                 if !lowering.free(&q) {

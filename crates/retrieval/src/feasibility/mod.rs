@@ -38,6 +38,8 @@ use std::sync::Arc;
 pub enum Unfit {
     /// The start posture touches these.
     StartInCollision(Vec<Contact>),
+    /// The start posture is nearer to these than the clearance asked for.
+    StartTooNear(Vec<Contact>),
     /// The start names no such joint, or lies outside its limits.
     BadStart(String),
     /// There is no place, or none that could hold the object, whatever stands there.
@@ -97,6 +99,7 @@ impl Feasibility {
         pushing: push::Settings,
         mobile: mobile::Settings,
     ) -> Result<Self, Unfit> {
+        let (settings, carrying) = (settings.with_clearance(scene.clearance()), carrying.with_clearance(scene.clearance()));
         let mut posture = start_posture(&scene, &model.robot)?;
         let (base, placement, world) = match &model.standing {
             None => (None, Placement::default(), World::new(model, &scene)),
@@ -199,14 +202,21 @@ impl Feasibility {
 
     fn start_is_free(&self, start: &Posture) -> Result<(), Unfit> {
         const MARGIN: f64 = 1e-5;
-        let contacts = match &self.base {
-            Some(base) => base.contacts(&self.stands[0].placement, start, MARGIN),
+        let contacts = |margin: f64| match &self.base {
+            Some(base) => base.contacts(&self.stands[0].placement, start, margin),
             None => {
                 let moment = Moment::new(ObjectSet::first(self.scene.objects.len()), self.robot().hand.open(), 0.0);
-                self.stands[0].world.contacts(&self.scene, start, &moment, MARGIN)
+                self.stands[0].world.contacts(&self.scene, start, &moment, margin)
             }
         };
-        if contacts.is_empty() { Ok(()) } else { Err(Unfit::StartInCollision(contacts)) }
+        let found = contacts(MARGIN);
+        if !found.is_empty() {
+            return Err(Unfit::StartInCollision(found));
+        }
+        // The robot itself may be nearer to itself.
+        let mut near = if self.scene.clearance() > 0.0 { contacts(self.carrying.final_margin) } else { Vec::new() };
+        near.retain(|contact| contact.is_with_scene());
+        if near.is_empty() { Ok(()) } else { Err(Unfit::StartTooNear(near)) }
     }
 
     /// Whether there is a way to an object with `removed` gone.

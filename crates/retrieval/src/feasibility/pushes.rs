@@ -191,10 +191,11 @@ impl Feasibility {
         let Self { stands, scene, pushing, scratch, .. } = self;
         let world = &stands[stop].world;
         let up = world.up();
+        let room = pushing.margin_of_error + scene.clearance();
         let placed = before.placed(world);
         let mut standing = before.standing;
         standing.remove(object);
-        let course = Course { world, scene, object, standing, placed: &placed, room: pushing.margin_of_error };
+        let course = Course { world, scene, object, standing, placed: &placed, room };
         let (mut ends, mut reason) = (Vec::new(), NoPush::NoSide);
         let mut in_the_way = |there: &Arc<Obstacle>| {
             let mut free = |way: &Later| !way.postures.iter().any(|q| world.meets(q, &way.moment, there, scratch));
