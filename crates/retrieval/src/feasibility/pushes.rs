@@ -8,7 +8,7 @@ use crate::grasps::Grasp;
 use crate::push::course::Course;
 use crate::push::{Contact, Upright};
 use crate::ways::{self, Explorer, Way};
-use clearway_collision::{Moment, Obstacle};
+use clearway_collision::{Moment, Obstacle, World};
 use clearway_geometry::{Pose, Vec3};
 use clearway_motion::{Posture, distance};
 use clearway_plan::robot_file::HandKind;
@@ -201,12 +201,11 @@ impl Feasibility {
             let mut free = |way: &Later| !way.postures.iter().any(|q| world.meets(q, &way.moment, there, scratch));
             !later.iter().all(|ways| ways.iter().any(&mut free))
         };
+        let limit = pushing.tipping * upright.tips_at(friction);
+        let mut reaches = Reaches { world, object, upright, limit, aside: pushing.margin_of_error, known: Vec::new() };
         for side in sides {
             for along in directions(&world.model.robot.hand.kind) {
-                let Some((from, contact)) = low_enough(world, object, side, along, upright, pushing.tipping * upright.tips_at(friction), pushing.margin_of_error)
-                else {
-                    continue;
-                };
+                let Some((from, contact)) = reaches.low_enough(side, along) else { continue };
                 reason = reason.max(NoPush::Tips);
                 let height = (from.translation.dot(up) - upright.bottom) + contact.top;
                 if from.translation.dot(up) - upright.bottom < LOWEST {
@@ -262,27 +261,53 @@ fn directions(hand: &HandKind) -> Vec<Vec3> {
     }
 }
 
-/// The hand as high as for the grasp, or lower until it pushes no higher than `limit` above the object's bottom.
-fn low_enough(
-    world: &clearway_collision::World,
+/// How the hand meets an object from its sides.
+struct Reaches<'a> {
+    world: &'a World,
     object: ObjectId,
-    side: &Grasp,
-    along: Vec3,
-    upright: &Upright,
+    upright: &'a Upright,
+    /// The hand pushes no higher than this above the object's bottom.
     limit: f64,
+    /// The object may be so far off to a side.
     aside: f64,
-) -> Option<(Pose, Contact)> {
-    let (up, pose) = (world.up(), world.poses[object.index()]);
-    let mut from = pose * side.object_from_tool;
-    for _ in 0..3 {
-        let tool_from_object = from.inverse() * pose;
-        let up_in_tool = from.rotation.transpose() * up;
-        let contact = Contact::of(world, &world.solids[object.index()], &tool_from_object, along, up_in_tool, aside)?;
-        let above = from.translation.dot(up) - upright.bottom + contact.top - limit;
-        if above <= 1e-9 {
-            return Some((from, contact));
+    /// From sides that differ by a turn about the object's axis the hand meets it alike: where the object and up were
+    /// for the tool, the direction, and what came of it.
+    known: Vec<([Vec3; 3], Option<Contact>)>,
+}
+
+impl Reaches<'_> {
+    /// The hand as high as for the grasp, or lower until it pushes no higher than the limit.
+    fn low_enough(&mut self, side: &Grasp, along: Vec3) -> Option<(Pose, Contact)> {
+        let (up, pose) = (self.world.up(), self.world.poses[self.object.index()]);
+        let mut from = pose * side.object_from_tool;
+        let mut contact = self.contact(&from, along)?;
+        for _ in 0..3 {
+            let above = from.translation.dot(up) - self.upright.bottom + contact.top - self.limit;
+            if above <= 1e-9 {
+                return Some((from, contact));
+            }
+            from.translation -= up * above;
+            // One cylinder is the same all the way down.
+            if self.world.solids[self.object.index()].parts.len() > 1 {
+                contact = self.contact(&from, along)?;
+            }
         }
-        from.translation -= up * above;
+        None
     }
-    None
+
+    fn contact(&mut self, from: &Pose, along: Vec3) -> Option<Contact> {
+        let pose = self.world.poses[self.object.index()];
+        let tool_from_object = from.inverse() * pose;
+        let up = from.rotation.transpose() * self.world.up();
+        // It is upright, the tool level: turns about its axis leave where it is for the tool.
+        let asked = [tool_from_object.translation, up, along];
+        let known = |(known, _): &&([Vec3; 3], Option<Contact>)| known.iter().zip(&asked).all(|(a, b)| a.abs_diff_eq(*b, 1e-9));
+        if let Some((_, contact)) = self.known.iter().find(known) {
+            return *contact;
+        }
+        let solid = &self.world.solids[self.object.index()];
+        let contact = Contact::of(self.world, solid, &tool_from_object, along, up, self.aside);
+        self.known.push((asked, contact));
+        contact
+    }
 }

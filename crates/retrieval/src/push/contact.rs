@@ -2,8 +2,8 @@
 
 use crate::grasps::hand;
 use clearway_collision::World;
-use clearway_geometry::distance::distance;
-use clearway_geometry::{Pose, Solid, Vec3};
+use clearway_geometry::distance::{closer_than, distance};
+use clearway_geometry::{Convex, Pose, Solid, Vec3};
 
 /// The hand moved along a direction from where it is round the object until it meets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,26 +25,32 @@ const SLIPS: f64 = 2e-4;
 /// The hand does not go farther to meet the object.
 const FARTHEST: f64 = 0.08;
 
+/// A part of the hand, seen from the tool.
+type Part<'a> = (Pose, &'a Convex);
+
 impl Contact {
     /// `None` where the hand does not meet the object, or where the object, off to one side by `aside`, would
     /// not be held back as soon: pushed by an edge it turns away.
     pub fn of(world: &World, solid: &Solid, tool_from_object: &Pose, direction: Vec3, up: Vec3, aside: f64) -> Option<Self> {
         let open = world.model.robot.hand.open();
-        let parts: Vec<_> = hand(world, open)
+        let parts: Vec<Part> = hand(world, open)
             .into_iter()
             .flat_map(|(link, pose)| world.model.robot.links[link].collision.parts.iter().map(move |(part, convex)| (pose * *part, convex)))
             .collect();
-        let gap = |part: &(Pose, &clearway_geometry::Convex), moved: Vec3| {
+        let gap = |part: &Part, moved: Vec3, most: f64| {
             let pose = Pose::new(part.0.rotation, part.0.translation + moved);
-            let to = |(p, convex): &(Pose, clearway_geometry::Convex)| distance(part.1, &pose, convex, &(*tool_from_object * *p));
-            solid.parts.iter().map(to).fold(f64::INFINITY, f64::min)
+            solid.parts.iter().fold(most, |nearest, (p, convex)| {
+                let there = *tool_from_object * *p;
+                // Exact distances take longer.
+                if closer_than(part.1, &pose, convex, &there, nearest) { nearest.min(distance(part.1, &pose, convex, &there)) } else { nearest }
+            })
         };
-        // The nearest it can be met is as far as the gap: the sum of gaps leads there.
+        // It can be met no nearer than the gap: the sum of gaps leads there.
         let travel = |shift: Vec3| {
             let mut along = 0.0;
             while along <= FARTHEST {
                 let moved = direction * along - shift;
-                let gap = parts.iter().map(|p| gap(p, moved)).fold(f64::INFINITY, f64::min);
+                let gap = parts.iter().fold(FARTHEST, |nearest, p| gap(p, moved, nearest));
                 if gap <= 1.02 * TOUCH {
                     return Some(along);
                 }
@@ -58,7 +64,7 @@ impl Contact {
         if !held_back(side) || !held_back(-side) {
             return None;
         }
-        let touching = parts.iter().filter(|p| gap(p, direction * free) < NEAR);
+        let touching = parts.iter().filter(|p| gap(p, direction * free, NEAR) < NEAR);
         let top = touching.map(|(pose, convex)| pose.point(convex.support(pose.rotation.transpose() * up)).dot(up));
         Some(Self { direction, free, top: top.fold(f64::NEG_INFINITY, f64::max) })
     }
