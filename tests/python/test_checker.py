@@ -656,3 +656,160 @@ def test_a_base_that_drives_stays_in_its_region(plan, region, expected):
     low, high = region
     plan["scene"]["robot"]["region"] = {"min": [low, low], "max": [high, high]}
     assert rules(plan) == expected
+
+
+# --- pushes ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def pushed(monkeypatch) -> dict:
+    """The target is pushed 10 cm along x by the finger behind it, 2 cm away at first."""
+    monkeypatch.setattr(mini_plan, "ACCELERATION", 1.5)
+    plan = mini_plan.plan()
+    over, down = [0.2, 0.0, mini_plan.ABOVE], [0.2, 0.0, mini_plan.DOWN]
+    end, away = [0.32, 0.0, mini_plan.DOWN], [0.32, 0.0, mini_plan.ABOVE]
+    ways = [("approach", over, down), ("push", down, end), ("retreat", end, away)]
+    step = plan["steps"][1]
+    step["segments"] = [
+        step["segments"][0],
+        *(mini_plan.segment(kind, start, goal, mini_plan.OPEN) for kind, start, goal in ways),
+    ]
+    step["action"], step["placed"]["position"] = "push", [0.3, 0.0, 0.06]
+    step["push"] = {"direction": [1, 0, 0], "distance": 0.1, "free": 0.02}
+    plan["scene"]["friction"] = 0.2
+    return plan
+
+
+def test_a_push_without_a_fault(pushed):
+    assert check_plan(pushed) == []
+    del pushed["steps"][1]["push"]
+    assert check_plan(pushed) == []
+
+
+def ends_elsewhere(plan):
+    plan["steps"][1]["placed"]["position"][0] += 0.002
+
+
+def swerves(plan):
+    rows = segment(plan, 1, 2)["positions"]
+    for i, row in enumerate(rows):
+        row[1] += 0.003 * np.sin(np.pi * i / (len(rows) - 1)) ** 2
+
+
+def meets_it_later(plan):
+    plan["steps"][1]["push"].update(free=0.023, distance=0.097)
+    plan["steps"][1]["placed"]["position"][0] = 0.297
+
+
+def meets_it_sooner(plan):
+    plan["steps"][1]["push"].update(free=0.017, distance=0.103)
+    plan["steps"][1]["placed"]["position"][0] = 0.303
+
+
+def says_more_than_it_does(plan):
+    plan["steps"][1]["push"]["distance"] = 0.105
+    plan["steps"][1]["placed"]["position"][0] = 0.305
+
+
+def goes_uphill(plan):
+    plan["steps"][1]["push"]["direction"] = [0.8, 0, 0.6]
+
+
+def tips(plan):
+    plan["scene"]["objects"][1]["friction"] = 0.3
+
+
+def is_not_round(plan):
+    body = plan["scene"]["objects"][1]
+    del body["cylinder"]
+    body["box"] = {"size": [0.06, 0.06, 0.12]}
+
+
+def slides_on(plan):
+    plan["scene"]["friction"] = 0.1
+
+
+def slides_onto_a_mat(plan):
+    mat = {"id": "mat", "box": {"size": [0.1, 0.1, 0.01]}, "position": [0.32, 0, -0.005]}
+    plan["scene"]["fixtures"].append(mat)
+
+
+def carries_another(plan):
+    shape = {"radius": 0.01, "height": 0.02}
+    plan["scene"]["objects"].append({"id": "c", "cylinder": shape, "position": [0.2, 0, 0.13]})
+
+
+PUSH_FAULTS = [
+    ends_elsewhere,
+    swerves,
+    meets_it_later,
+    meets_it_sooner,
+    says_more_than_it_does,
+    goes_uphill,
+    tips,
+    is_not_round,
+    slides_on,
+    slides_onto_a_mat,
+    carries_another,
+]
+
+
+@pytest.mark.parametrize("fault", PUSH_FAULTS, ids=lambda fault: fault.__name__)
+def test_planted_fault_of_a_push(pushed, fault):
+    fault(pushed)
+    assert "push" in rules(pushed)
+
+
+@pytest.mark.parametrize("across, touches", [(0.039, True), (0.0405, False)])
+def test_what_is_pushed_touches_nothing(pushed, across, touches):
+    curb = {"id": "curb", "box": {"size": [0.02, 0.02, 0.04]}, "position": [0.27, across, 0.02]}
+    pushed["scene"]["fixtures"].append(curb)
+    assert rules(pushed) == ({"touch"} if touches else set())
+
+
+def test_what_is_pushed_over_an_edge_falls(pushed):
+    pushed["scene"]["fixtures"][0]["box"]["size"][0] = 0.39  # the table ends at x = 0.295
+    pushed["scene"]["place"] = [{"id": "p", "size": [0.4, 0.4], "position": [0, 0.4, 0]}]
+    assert "unstable" in rules(pushed)
+
+
+# --- clearance ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "gap, asked, expected",
+    [(0.001, 0, set()), (0.0021, 0.002, set()), (0.0018, 0.002, {"clearance"})],
+)
+def test_room_over_the_bridge(plan, gap, asked, expected):
+    slab = {"id": "slab", "box": {"size": [2, 2, 0.02]}, "position": [0, 0, 1.03 + gap]}
+    plan["scene"]["fixtures"].append(slab)
+    plan["scene"]["clearance"] = asked
+    assert rules(plan) == expected
+    for claimed, more in ((gap, set()), (gap + 0.0005, {"clearance"})):
+        plan["clearance"] = {"asked": asked, "up_to": 0.05, "least": {"distance": claimed}}
+        assert rules(plan) == expected | more
+    plan["clearance"]["least"] = None
+    assert rules(plan) == {"clearance"}
+
+
+@pytest.mark.parametrize("bump, expected", [(0.0, set()), (0.0006, {"clearance"})])
+def test_a_neighbour_that_is_near_stays_as_far(pushed, bump, expected):
+    """A low wall beside the push, 1 mm from it, and a bump half-way."""
+    wall = {"box": {"size": [0.3, 0.02, 0.02]}, "position": [0, 0, 0]}
+    post = {"box": {"size": [0.001, 0.02, 0.02]}, "position": [0, -bump, 0]}
+    fixture = {"id": "wall", "compound": [wall, post], "position": [0.25, 0.041, 0.01]}
+    pushed["scene"]["fixtures"].append(fixture)
+    assert rules(pushed) == set()
+    pushed["scene"]["clearance"] = 0.002
+    assert rules(pushed) == expected
+
+
+def test_what_carries_an_object_is_near_it_only_where_it_stands(plan):
+    """Lifted by less than 3 cm it may be near the table, not on all of its way."""
+    for index in (3, 4, 5):
+        rows = segment(plan, 0, index)["positions"]
+        for row in rows:
+            row[2] = min(row[2], mini_plan.DOWN + 0.002)
+    assert "clearance" not in rules(plan)
+    plan["scene"]["clearance"] = 0.004
+    assert "clearance" in rules(plan)

@@ -29,6 +29,8 @@ pub enum Command {
     Robot(RobotArgs),
     /// Plan a motion: a robot, obstacles, a start, goals; a path and a trajectory.
     Motion(MotionArgs),
+    /// Play a plan in a physics engine: what moved that should not, what was touched, what fell.
+    Simulate(SimulateArgs),
     /// Run an experiment; rows as JSON lines, a summary at the end.
     Bench(BenchArgs),
     /// Write a plan for other programs.
@@ -248,6 +250,10 @@ pub struct ExportArgs {
     pub plan: PathBuf,
     #[arg(long, value_enum)]
     pub to: Format,
+    /// Joints whose names begin with OLD begin with NEW instead (`panda_=fer_`); an empty OLD puts NEW before all.
+    /// Not for MCAP, where names are the URDF's.
+    #[arg(long, value_name = "OLD=NEW", value_parser = renaming)]
+    pub rename: Vec<(String, String)>,
     /// Default: stdout.
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
@@ -257,6 +263,8 @@ pub struct ExportArgs {
 pub enum Format {
     /// Shaped like ROS 2's trajectory_msgs/JointTrajectory, with the gripper's commands in between.
     JointTrajectory,
+    /// A recording of the robot moving in the scene: opens in Foxglove, and is a ROS 2 bag.
+    Mcap,
     /// One row per sample.
     Csv,
 }
@@ -280,6 +288,44 @@ pub struct MotionArgs {
     /// Where `package://NAME` in the robot's URDF leads.
     #[arg(long, value_name = "NAME=DIR", value_parser = package)]
     pub package: Vec<(String, PathBuf)>,
+}
+
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    pub plan: PathBuf,
+    /// Print the report as one JSON object on stdout.
+    #[arg(long)]
+    pub json: bool,
+    /// Objects stand elsewhere than the scene says: uniform in a horizontal disc of this radius.
+    #[arg(long, value_name = "METRES", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub noise: f64,
+    /// Friction differs: uniform, up to this fraction more or less.
+    #[arg(long, value_name = "FRACTION", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub noise_friction: f64,
+    /// Radii differ: uniform, up to this much more or less.
+    #[arg(long, value_name = "METRES", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub noise_radius: f64,
+    /// Play it so many times, each with noise of its own.
+    #[arg(long, value_name = "N")]
+    pub trials: Option<usize>,
+    /// Where the noise comes from.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Threads to use at most for trials; the report does not depend on it. Default: all cores.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Each pad of a closed hand presses with this force.
+    #[arg(long, value_name = "NEWTONS", allow_negative_numbers = true)]
+    pub grip: Option<f64>,
+    /// Coefficient of friction of fingers and cups.
+    #[arg(long, value_name = "COEFFICIENT", allow_negative_numbers = true)]
+    pub rubber: Option<f64>,
+    /// Time constant of the joints' controllers.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub lag: Option<f64>,
+    /// What the plan moved may end so far from its place.
+    #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
+    pub tolerance: Option<f64>,
 }
 
 #[derive(Debug, Args)]
@@ -412,6 +458,11 @@ fn seconds(text: &str) -> Result<f64, String> {
         Ok(_) => Err("must be more than 0 seconds, and finite".to_owned()),
         Err(_) => Err("is no number of seconds".to_owned()),
     }
+}
+
+fn renaming(text: &str) -> Result<(String, String), String> {
+    let (old, new) = text.split_once('=').ok_or("must be OLD=NEW")?;
+    Ok((old.to_owned(), new.to_owned()))
 }
 
 fn package(text: &str) -> Result<(String, PathBuf), String> {

@@ -9,7 +9,7 @@ use clearway::FileError;
 pub enum Exit {
     /// Solved; valid.
     Done = 0,
-    /// `verify` found violations.
+    /// `verify` found violations; `simulate` ended elsewhere than planned.
     Violations = 1,
     /// The input or the command line is wrong.
     BadInput = 2,

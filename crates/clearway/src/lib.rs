@@ -28,13 +28,14 @@ pub use clearway_retrieval::{FirstLimit, Planner, Request, SceneDelta, Search, S
 pub use clearway_robot::Robot;
 pub use clearway_scenarios as scenarios;
 pub use clearway_scene::Scene;
+pub use clearway_simulate as simulate;
 pub use clearway_verify::{Report, VerifiedPlan, read_plan, verify, verify_file};
 pub use goal::solve_goal;
 pub use motion::{MotionOutcome, plan_motion};
 pub use clearway_retrieval::occlusion::guess::Rule as LookRule;
 pub use observed::solve_observed;
 pub use outcome::{Outcome, improve, solve};
-pub use written::{page, to_json, with_meshes_relative_to};
+pub use written::{page, scene_meshes, to_json, with_meshes_relative_to};
 
 /// PDDL with streams (section V-C).
 pub mod pddl {

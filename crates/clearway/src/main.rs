@@ -21,6 +21,7 @@ fn main() -> std::process::ExitCode {
         Some(Command::View(args)) => commands::view::run(&args),
         Some(Command::Robot(args)) => commands::robot::run(&args),
         Some(Command::Motion(args)) => commands::motion::run(&args),
+        Some(Command::Simulate(args)) => commands::simulate::run(&args),
         Some(Command::Bench(args)) => commands::bench::run(&args),
         Some(Command::Export(args)) => commands::export::run(&args),
         Some(Command::Schema(args)) => commands::schema::run(&args),

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// Crate, and the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 16] = [
+const MAY_USE: [(&str, &[&str]); 17] = [
     ("geometry", &[]),
     ("files", &[]),
     ("plan", &["geometry"]),
@@ -18,8 +18,9 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     ("retrieval", &["geometry", "plan", "robot", "scene", "sight", "collision", "motion"]),
     ("symbolic", &["geometry", "files", "plan", "scene", "retrieval"]),
     ("verify", &["plan", "files"]),
+    ("simulate", &["plan", "verify"]),
     ("scenarios", &["geometry", "plan", "robot", "scene", "sight", "collision", "retrieval"]),
-    ("export", &["plan"]),
+    ("export", &["geometry", "plan"]),
     ("viewer", &["plan"]),
     (
         "experiments",
@@ -32,7 +33,7 @@ const MAY_USE: [(&str, &[&str]); 16] = [
         "clearway",
         &[
             "geometry", "files", "plan", "robot", "scene", "sight", "collision", "motion", "retrieval", "symbolic", "verify",
-            "scenarios", "export", "viewer", "experiments",
+            "scenarios", "simulate", "export", "viewer", "experiments",
         ],
     ),
 ];

@@ -6,10 +6,10 @@
 //! back bit for bit; times to the nanosecond. Where one segment ends and the next begins is one
 //! row, the earlier segment's last.
 
+use crate::kinds::kind_name;
 use crate::rows::{Nanoseconds, SECOND, gripper_joints, timed_segments};
 use crate::{ExportError, Exporter};
 use clearway_plan::PlanFile;
-use clearway_plan::plan_file::SegmentKind;
 
 /// See the module.
 pub struct Csv;
@@ -53,19 +53,6 @@ pub fn csv(plan: &PlanFile) -> Result<String, ExportError> {
         }
     }
     Ok(table)
-}
-
-/// As plan files spell it.
-pub(crate) fn kind_name(kind: SegmentKind) -> &'static str {
-    match kind {
-        SegmentKind::Transit => "transit",
-        SegmentKind::Approach => "approach",
-        SegmentKind::Grasp => "grasp",
-        SegmentKind::Transfer => "transfer",
-        SegmentKind::Release => "release",
-        SegmentKind::Retreat => "retreat",
-        SegmentKind::Push => "push",
-    }
 }
 
 fn push_line(table: &mut String, fields: impl Iterator<Item = String>) {

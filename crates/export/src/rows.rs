@@ -2,14 +2,18 @@
 //! row: the earlier segment's last.
 
 use crate::ExportError;
+use crate::kinds::status_name;
 use clearway_plan::PlanFile;
-use clearway_plan::plan_file::{GripperValue, Segment, Status};
+use clearway_plan::plan_file::{GripperValue, Segment};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Nanoseconds: what other programs keep time in.
 pub(crate) type Nanoseconds = u64;
 
 pub(crate) const SECOND: Nanoseconds = 1_000_000_000;
+
+/// Plans end before this: ROS counts seconds in 32 bits.
+const LONGEST: Nanoseconds = 2_000_000_000 * SECOND;
 
 /// A segment of the plan and its rows on the plan's clock.
 pub(crate) struct TimedSegment<'a> {
@@ -75,12 +79,7 @@ pub(crate) fn timed_segments(plan: &PlanFile) -> Result<Vec<TimedSegment<'_>>, E
         }
     }
     if timed.is_empty() {
-        let status = match plan.status {
-            Status::Solved => "solved",
-            Status::Impossible => "impossible",
-            Status::OutOfBudget => "out_of_budget",
-        };
-        return Err(ExportError::NoMotion { status });
+        return Err(ExportError::NoMotion { status: status_name(plan.status) });
     }
     Ok(timed)
 }
@@ -132,8 +131,9 @@ fn timed_rows<'a>(
         if let Some(value) = positions.iter().find(|value| !value.is_finite()) {
             return Err(ExportError::malformed(at("positions"), value, "finite numbers"));
         }
-        let local = nanoseconds(time)
-            .ok_or_else(|| ExportError::malformed(at("times"), time, "seconds from 0, below a century"))?;
+        let local = nanoseconds(time).filter(|local| start + local < LONGEST).ok_or_else(|| {
+            ExportError::malformed(at("times"), time, "seconds from 0, and a plan that ends within 60 years")
+        })?;
         if row == 0 && local != 0 {
             return Err(ExportError::malformed(at("times"), time, 0));
         }
@@ -148,6 +148,5 @@ fn timed_rows<'a>(
 
 /// `None` for what is negative, not finite, or beyond any plan.
 fn nanoseconds(seconds: f64) -> Option<Nanoseconds> {
-    const CENTURY: f64 = 3.2e9;
-    (0.0..CENTURY).contains(&seconds).then(|| (seconds * SECOND as f64).round() as Nanoseconds)
+    (0.0..LONGEST as f64 / SECOND as f64).contains(&seconds).then(|| (seconds * SECOND as f64).round() as Nanoseconds)
 }

@@ -1,63 +1,11 @@
 //! Round trips through both formats: positions equal, clocks rising, durations equal.
 
-use clearway_export::{ExportError, Layout, csv, exporters, joint_trajectory};
+mod plan;
+
+use clearway_export::{ExportError, Layout, csv, exporters, joint_trajectory, rename_joints};
 use clearway_plan::PlanFile;
+use plan::{all_rows, duration, plan};
 use serde_json::{Value, json};
-
-/// A step per name: transit, approach, grasp, transfer, release, retreat; two joints, one of the gripper.
-fn plan(objects: &[&str]) -> PlanFile {
-    let mut angle = 0.1;
-    let mut rows = |count: usize, rate: f64| {
-        let times: Vec<f64> = (0..count).map(|i| i as f64 * 0.02).collect();
-        let positions: Vec<[f64; 2]> =
-            times.iter().map(|t| [angle + rate * t * t, -1.0 / 3.0 * (angle + rate * t * t)]).collect();
-        angle += rate * times[count - 1] * times[count - 1];
-        (times, positions)
-    };
-    let mut segment = |kind: &str, count: usize, rate: f64, gripper: Value, object: Option<&str>| {
-        let (times, positions) = rows(count, rate);
-        let attached = object.map(|id| {
-            json!({"object": id, "tool": "tool", "pose_in_tool": {"position": [0, 0, 0], "quaternion": [0, 0, 0, 1]}})
-        });
-        json!({"kind": kind, "times": times, "positions": positions, "gripper": {"finger_joint": gripper}, "attached": attached})
-    };
-    let steps: Vec<Value> = objects
-        .iter()
-        .map(|id| {
-            let segments = vec![
-                segment("transit", 30, 0.3, json!(0.0), None),
-                segment("approach", 7, -0.2, json!(0.0), None),
-                segment("grasp", 4, 0.0, json!([0.0, 0.1, 0.2, 0.3]), None),
-                segment("transfer", 41, 0.5, json!(0.3), Some(id)),
-                segment("release", 3, 0.0, json!([0.3, 0.15, 0.0]), None),
-                segment("retreat", 6, 0.1, json!(0.0), None),
-            ];
-            json!({"object": id, "action": "pick_place", "segments": segments,
-                   "placed": {"position": [0, 0, 0], "quaternion": [0, 0, 0, 1]}})
-        })
-        .collect();
-    serde_json::from_value(json!({
-        "format": "clearway-plan/1", "status": "solved", "seed": 1, "removed": objects,
-        "scene": {"format": "clearway-scene/1", "frame": "map", "robot": {"model": "x"}, "objects": [], "target": "o1"},
-        "robot": {"urdf": "<robot/>", "joints": ["pan", "lift"], "tool": "tool", "limits": {"velocity": {}, "acceleration": {}},
-                  "hand": {"kind": "parallel", "frame": "tool", "links": [], "base_radius": 0.05, "finger_thickness": 0.01}},
-        "steps": steps,
-    }))
-    .expect("a plan")
-}
-
-fn all_rows(plan: &PlanFile) -> Vec<Vec<f64>> {
-    let mut rows: Vec<Vec<f64>> = Vec::new();
-    for segment in plan.steps.iter().flat_map(|s| &s.segments) {
-        let shared = usize::from(!rows.is_empty());
-        rows.extend(segment.positions.iter().skip(shared).cloned());
-    }
-    rows
-}
-
-fn duration(plan: &PlanFile) -> f64 {
-    plan.steps.iter().flat_map(|s| &s.segments).filter_map(|s| s.times.last()).sum()
-}
 
 fn seconds(stamp: &Value) -> f64 {
     stamp["sec"].as_f64().expect("sec") + stamp["nanosec"].as_f64().expect("nanosec") / 1e9
@@ -222,13 +170,42 @@ fn what_cannot_be_put_in_order_is_named_by_its_place() {
 fn every_exporter_writes_what_its_name_says() {
     let plan = plan(&["o1"]);
     let names: Vec<_> = exporters().iter().map(|e| (e.name(), e.extension())).collect();
-    assert_eq!(names, [("joint-trajectory", "json"), ("csv", "csv")]);
+    assert_eq!(names, [("joint-trajectory", "json"), ("mcap", "mcap"), ("csv", "csv")]);
     for exporter in exporters() {
         let content = exporter.export(&plan).expect("exported");
-        assert!(content.ends_with(b"\n"));
+        assert!(content.ends_with(if exporter.name() == "mcap" { mcap::MAGIC } else { b"\n" }));
     }
     assert_eq!(
         csv(&PlanFile { steps: Vec::new(), ..plan }).expect_err("refused"),
         ExportError::NoMotion { status: "solved" }
     );
+}
+
+#[test]
+fn gripper_commands_tell_the_gap() {
+    let mut plan = plan(&["o1"]);
+    plan.robot.hand.joint = Some("finger_joint".into());
+    plan.robot.hand.opening = [("0.0".to_owned(), 0.08), ("0.5".to_owned(), 0.0)].into();
+    let sequence = joint_trajectory(&plan, Layout::Sequence).expect("exported");
+    let gap = |item: usize| sequence[item]["gripper"][0]["gap"].as_f64().expect("a gap");
+    assert!(gap(0) == 0.08 && (gap(2) - 0.032).abs() < 1e-12);
+}
+
+#[test]
+fn joints_go_by_other_names() {
+    let renamed = |pairs: &[(&str, &str)]| {
+        let mut plan = plan(&["o1"]);
+        plan.robot.hand.joint = Some("finger_joint".into());
+        pairs.iter().try_for_each(|(old, new)| rename_joints(&mut plan, old, new))?;
+        joint_trajectory(&plan, Layout::Sequence)
+    };
+    let names = |pairs: &[(&str, &str)]| {
+        let sequence = renamed(pairs).expect("exported");
+        (sequence[1]["trajectory"]["joint_names"].clone(), sequence[2]["gripper"][0]["joint"].clone())
+    };
+    assert_eq!(names(&[("", "left_")]), (json!(["left_pan", "left_lift"]), json!("left_finger_joint")));
+    assert_eq!(names(&[("pan", "turn"), ("fin", "Fin")]), (json!(["turn", "lift"]), json!("Finger_joint")));
+    assert_eq!(renamed(&[("tilt", "x")]).expect_err("refused"), ExportError::NoSuchName { old: "tilt".into() });
+    let same = renamed(&[("pan", "lift")]).expect_err("refused").to_string();
+    assert_eq!(same, "with `lift` for `pan` two joints have the same name");
 }

@@ -39,9 +39,11 @@ pub enum Rejected {
 }
 
 /// Verifies a plan, and vouches for it; not for its lower bound's proof, which [`crate::verify`] judges.
-pub fn accept(plan: PlanFile, plan_directory: &Path, budget: &Budget) -> Result<VerifiedPlan, Rejected> {
+/// The plan accepted tells the clearance measured.
+pub fn accept(mut plan: PlanFile, plan_directory: &Path, budget: &Budget) -> Result<VerifiedPlan, Rejected> {
     let report = judge(&plan, plan_directory, budget, false)?;
     if report.is_valid() {
+        plan.clearance.clone_from(&report.clearance);
         Ok(VerifiedPlan { plan, report })
     } else {
         Err(Rejected::Violations { plan: Box::new(plan), report: Box::new(report) })

@@ -1,10 +1,11 @@
 //! Where every object is, segment by segment, and whether it could have come there: taken where it
-//! stands, held by the hand, let go where `placed` says.
+//! stands, held by the hand, let go where `placed` says. What is pushed is [`push`](crate::push)'s.
 
 use crate::case::{Case, Track, pose_of};
 use crate::error::CannotJudge;
 use crate::names::Names;
 use crate::placement::{self, Rest};
+use crate::push::{Push, Pushed};
 use crate::report::{Place, Report, ViolationKind};
 use crate::rest::{self, Standing};
 use crate::shapes::{body_gap, extent};
@@ -28,6 +29,7 @@ const ROUNDING: f64 = 1e-6;
 pub(crate) struct Stage {
     pub standing: Standing,
     pub held: Option<Held>,
+    pub pushed: Option<Pushed>,
     /// The object that links of the hand may touch.
     pub gripping: Option<usize>,
 }
@@ -67,7 +69,7 @@ pub(crate) fn stages(
             report.at(ViolationKind::Rows, Place::step(index, time), "placed is no pose");
             from
         });
-        let walk = Walk { case, names, step, object, from, to, of_step: &of_step };
+        let walk = Walk { plan, case, names, step, object, from, to, of_step: &of_step };
         walk.run(&mut standing, &mut stability, &mut stages, report);
         let is_last = !plan.steps[index + 1..].iter().any(|s| s.object == step.object);
         let rest = match (step.action, is_last) {
@@ -86,6 +88,7 @@ pub(crate) fn stages(
 
 /// One step, from its first segment to its last.
 struct Walk<'a> {
+    plan: &'a PlanFile,
     case: &'a Case,
     names: &'a Names,
     step: &'a Step,
@@ -96,13 +99,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    fn run(
-        &self,
-        standing: &mut Standing,
-        stability: &mut Stability,
-        stages: &mut Vec<Stage>,
-        report: &mut Report,
-    ) {
+    fn run(&self, standing: &mut Standing, stability: &mut Stability, stages: &mut Vec<Stage>, report: &mut Report) {
         let kinds: Vec<SegmentKind> = self.of_step.iter().map(|t| t.segment.kind).collect();
         let release = kinds.iter().position(|k| *k == SegmentKind::Release).unwrap_or(kinds.len());
         let grasp = kinds[..release].iter().rposition(|k| *k == SegmentKind::Grasp);
@@ -110,6 +107,9 @@ impl Walk<'_> {
         let mut without = standing.clone();
         without[self.object] = None;
         let carried_to = owned(rest::carriers(self.case, &without, self.object, &self.to));
+        let Walk { plan, case, names, step, object, from, to, of_step: tracks } = *self;
+        let push = Push { plan, case, names, step, object, from, to, tracks };
+        let mut pushes = push.judge(standing, stability, report);
         let mut held: Option<Held> = None;
         let mut gone = false; // has been held and let go, or pushed
         for (i, track) in self.of_step.iter().enumerate() {
@@ -151,18 +151,12 @@ impl Walk<'_> {
             if let Some(now) = &now {
                 self.gripped(now, track, report);
             }
-            if now.is_none() && kind == SegmentKind::Push {
-                report.not_checked.push(format!(
-                    "step {}, segment {}: where {} is while it is pushed, since nothing is attached",
-                    track.step, track.index, self.step.object
-                ));
-            }
             gone |= now.is_none() && i >= release;
             let still = if gone { self.to } else { self.from };
             standing[self.object] = (now.is_none() && kind != SegmentKind::Push).then_some(still);
             gone |= kind == SegmentKind::Push && now.is_none();
             let gripping = (kind != SegmentKind::Transit || now.is_some()).then_some(self.object);
-            stages.push(Stage { standing: standing.clone(), held: now.clone(), gripping });
+            stages.push(Stage { standing: standing.clone(), held: now.clone(), pushed: pushes[i].take(), gripping });
             held = now;
         }
         if let (Some(held), Some(last)) = (&held, self.of_step.last()) {

@@ -6,6 +6,7 @@ use crate::meshes::Meshes;
 use crate::model::Model;
 use crate::report::Place;
 use crate::shapes::{self, Piece};
+use crate::sweep::When;
 use crate::urdf;
 use clearway_plan::PlanFile;
 use clearway_plan::plan_file::{PlacedPose, Segment};
@@ -101,5 +102,14 @@ impl Track<'_> {
 
     pub fn at(&self, row: usize) -> Place {
         self.place().row(row, self.start + self.segment.times.get(row).copied().unwrap_or(0.0))
+    }
+
+    /// The row before, and the time of the instant itself.
+    pub fn when(&self, when: When) -> Place {
+        let mut place = self.at(when.row);
+        if let (Some(from), Some(to)) = (self.segment.times.get(when.row), self.segment.times.get(when.row + 1)) {
+            place.time += when.fraction * (to - from);
+        }
+        place
     }
 }

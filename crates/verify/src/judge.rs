@@ -3,7 +3,10 @@
 use crate::case::Case;
 use crate::error::CannotJudge;
 use crate::report::{Report, ViolationKind};
-use crate::{carry, collisions, gripper, jerk, limits, lower_bound, names, region, rows, sight, steps, unchecked};
+use crate::watch::Watch;
+use crate::{
+    carry, clearance, collisions, gripper, jerk, limits, lower_bound, names, region, rows, sight, steps, unchecked,
+};
 use clearway_plan::plan_file::{FORMAT, Status};
 use clearway_plan::{Budget, PlanFile};
 use std::path::Path;
@@ -18,7 +21,12 @@ pub fn verify(plan: &PlanFile, plan_directory: &Path, budget: &Budget) -> Result
 }
 
 /// The same; the lower bound's proof, which has nothing to do with the motions, only on demand.
-pub(crate) fn judge(plan: &PlanFile, plan_directory: &Path, budget: &Budget, with_proof: bool) -> Result<Report, CannotJudge> {
+pub(crate) fn judge(
+    plan: &PlanFile,
+    plan_directory: &Path,
+    budget: &Budget,
+    with_proof: bool,
+) -> Result<Report, CannotJudge> {
     let mut report = Report::default();
     if plan.format != FORMAT {
         report.plan(ViolationKind::Format, format!("the format is {:?}; expected {FORMAT:?}", plan.format));
@@ -54,8 +62,10 @@ pub(crate) fn judge(plan: &PlanFile, plan_directory: &Path, budget: &Budget, wit
     let Some(objects) = objects else { return Ok(report) };
     let stages = carry::stages(plan, &case, &names, &tracks, &objects, budget, &mut report)?;
     sight::check(plan, &case, &tracks, &stages, budget, &mut report)?;
-    for (track, stage) in tracks.iter().zip(&stages) {
-        collisions::check(&case, &names, track, stage, budget, &mut report)?;
+    let watches: Vec<Watch> = stages.iter().map(|stage| Watch::new(&case, &names, stage)).collect();
+    for ((track, stage), watch) in tracks.iter().zip(&stages).zip(&watches) {
+        collisions::check(&case, track, stage, watch, budget, &mut report)?;
     }
+    clearance::check(plan, &case, &tracks, &stages, &watches, budget, &mut report)?;
     Ok(report)
 }

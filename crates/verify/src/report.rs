@@ -1,5 +1,6 @@
 //! What the verifier found: violations, what was checked, and what was not.
 
+use clearway_plan::clearance::{Clearance, Least};
 use serde::Serialize;
 use std::fmt;
 
@@ -64,6 +65,12 @@ pub enum ViolationKind {
     HeldCollision,
     /// Two links of the robot touch.
     SelfCollision,
+    /// A push that cannot go as it says: off its line, too high, too sudden, of what is not round.
+    Push,
+    /// What is pushed touches something.
+    PushedCollision,
+    /// Less room than the scene asks for, or than the plan claims.
+    Clearance,
     /// An object, or space, that the camera had not seen.
     NotSeen,
     /// `lower_bound` cannot be true.
@@ -144,6 +151,9 @@ pub struct Report {
     pub checked: Summary,
     /// What the verifier did not judge, and why.
     pub not_checked: Vec<String>,
+    /// The room that the motions keep; missing if they could not be read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clearance: Option<Clearance>,
 }
 
 impl Report {
@@ -195,6 +205,9 @@ impl fmt::Display for Report {
             c.pairs,
             c.distances,
         )?;
+        if let Some(clearance) = &self.clearance {
+            writeln!(f, "  {}", in_words(clearance))?;
+        }
         for violation in &self.violations {
             writeln!(f, "  {violation}")?;
         }
@@ -202,6 +215,19 @@ impl fmt::Display for Report {
             writeln!(f, "  not checked: {note}")?;
         }
         Ok(())
+    }
+}
+
+fn in_words(clearance: &Clearance) -> String {
+    let asked = match clearance.asked {
+        0.0 => String::new(),
+        asked => format!(" (asked: {:.1} mm)", asked * 1e3),
+    };
+    match &clearance.least {
+        Some(Least { distance, between: [a, b], time, .. }) => {
+            format!("clearance {:.1} mm{asked}, least between {a} and {b} at {time:.2} s", distance * 1e3)
+        }
+        None => format!("clearance above {:.0} mm{asked}", clearance.up_to * 1e3),
     }
 }
 

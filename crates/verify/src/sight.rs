@@ -3,7 +3,7 @@
 //! Before each step the camera looks, the objects being where the steps before left them, the robot out of the
 //! picture. By rays at exact shapes: an object is seen when a quarter of it is in view at some look; a point of the
 //! scene's surroundings is seen when the line from the camera to it is clear at some look. Points inside the
-//! robot's links and what it holds are looked up, row by row. What the object being taken hides begins
+//! robot's links and what it holds or pushes are looked up, row by row. What the object being taken hides begins
 //! behind it: its own back is not in view.
 
 use crate::carry::Stage;
@@ -11,6 +11,7 @@ use crate::case::{Case, Thing, Track};
 use crate::error::CannotJudge;
 use crate::report::{Report, ViolationKind};
 use crate::shapes::{Piece, extent};
+use crate::sweep::When;
 use clearway_plan::{Budget, PlanFile};
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::Ray;
@@ -88,6 +89,7 @@ pub(crate) fn check(
         let taken = case.object(&plan.steps[index].object);
         for (track, stage) in tracks.iter().zip(stages).filter(|(t, _)| t.step == index) {
             let held = stage.held.as_ref().map(|held| (held, points(&case.objects[held.object].pieces)));
+            let pushed = stage.pushed.as_ref().map(|pushed| (pushed, points(&case.objects[pushed.object].pieces)));
             for row in (0..track.postures.len()).step_by(EVERY) {
                 budget.check()?;
                 let poses = case.link_poses(&track.postures[row]);
@@ -96,7 +98,11 @@ pub(crate) fn check(
                 let hand = held.as_ref().and_then(|(held, body)| {
                     Some((&case.objects[held.object].id, unseen(body, &(poses[held.tool] * held.tool_from_object))?))
                 });
-                if let Some((name, at)) = link.or(hand) {
+                let ahead = pushed.as_ref().and_then(|(pushed, body)| {
+                    let at = pushed.slide.at(When { row, fraction: 0.0 });
+                    Some((&case.objects[pushed.object].id, unseen(body, &at)?))
+                });
+                if let Some((name, at)) = link.or(hand).or(ahead) {
                     report.at(
                         ViolationKind::NotSeen,
                         track.at(row),

@@ -1,18 +1,20 @@
-//! Continuous collision checking of one segment: between rows, joints move on straight lines.
+//! Distances along one segment, continuously: between rows, joints move on straight lines.
 //!
 //! Every pair of shapes keeps a lease: having measured that two shapes are `d` apart, they cannot
-//! touch before one has travelled `d` against the other. Travel is bounded by the joints between
-//! them: |Δq| times the largest distance of the body from the joint's axis, taken at the middle of
-//! the interval and widened by what the joints nearer to the body may add. When a lease runs out it
-//! is measured again; when an interval is longer than the gap, the interval is halved, until the
-//! bodies move by less than 0.05 mm. So nothing that overlaps by 0.2 mm for an instant is missed,
-//! and nothing that overlaps by less than 0.1 mm is reported.
+//! touch before one has travelled `d` against the other, nor come within `r` before `d - r`. Travel is
+//! bounded by the joints between them: |Δq| times the largest distance of the body from the joint's
+//! axis, taken at the middle of the interval and widened by what the joints nearer to the body may
+//! add. When a lease runs out it is measured again; when an interval is longer than the lease, the
+//! interval is halved, until the bodies move by less than 0.05 mm. What distances matter, a [`Seek`]
+//! says: [`touch`] looks for overlaps, [`clearance`](crate::clearance) for the least distance.
+
+pub(crate) mod touch;
 
 use crate::case::{Case, Track};
 use crate::error::CannotJudge;
 use crate::gap::Gap;
 use crate::model::JointKind;
-use crate::rest::TOUCH;
+use crate::push::Slide;
 use crate::shapes::{Piece, piece_gap};
 use clearway_plan::Budget;
 use parry3d_f64::math::{Pose, Vector};
@@ -20,69 +22,76 @@ use std::collections::HashMap;
 
 /// Halving stops when no point travels farther than this, metres.
 const FINE: f64 = 5e-5;
-/// Overlap that a bound may leave open without a closer look; the rest of 0.1 mm is for
-/// inexact distances.
-const LEFT_OPEN: f64 = 5e-5;
 /// How far beyond what is needed to look, so that leases last.
 const LOOK_AHEAD: f64 = 0.05;
+/// Stands for a joint in the chain of what is pushed.
+const PUSH: usize = usize::MAX;
 
-/// A shape that moves with a link.
+/// A shape that moves.
 pub(crate) struct Mover<'a> {
     pub piece: &'a Piece,
-    pub link: usize,
-    /// The shape's owner in the link's frame; the identity for the link's own shapes.
-    pub link_from_owner: Pose,
+    pub motion: Motion<'a>,
 }
 
+/// How a shape's owner moves.
+#[derive(Clone, Copy)]
+pub(crate) enum Motion<'a> {
+    /// With a link; the owner's pose in it is the identity for the link's own shapes.
+    Link { link: usize, link_from_owner: Pose },
+    /// Pushed along a line.
+    Slide(&'a Slide),
+}
+
+#[derive(Clone)]
 pub(crate) enum Other<'a> {
     Still { piece: &'a Piece, world_from_owner: Pose },
     Mover(usize),
 }
 
-/// How much overlap is forgiven, and near which owner positions (world) of the first mover.
-#[derive(Clone, Default)]
-pub(crate) struct Forgiven {
-    pub near: Vec<Vector>,
-    pub within: f64,
-    pub overlap: f64,
-}
-
+#[derive(Clone)]
 pub(crate) struct Pair<'a> {
     pub first: usize,
     pub second: Other<'a>,
     /// Which finding this pair counts to.
     pub subject: usize,
-    pub forgiven: Option<Forgiven>,
 }
 
-/// The deepest overlap found for a subject.
+/// An instant of a segment.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Touch {
-    pub subject: usize,
+pub(crate) struct When {
     /// The row before.
     pub row: usize,
     /// Between that row and the next, 0 to 1.
     pub fraction: f64,
-    /// Metres.
-    pub depth: f64,
-    pub point: Vector,
-    /// One shape is wholly inside a mesh: the depth says nothing.
-    pub enclosed: bool,
 }
 
-/// A point in the world, for messages.
-pub(crate) fn point(p: Vector) -> String {
-    format!("({:.4}, {:.4}, {:.4}) m", p.x, p.y, p.z)
+/// What is looked for. Pairs go by their number.
+pub(crate) trait Seek {
+    /// The pair matters where it is nearer than this, metres.
+    fn below(&self, pair: usize) -> f64;
+    /// An exact distance; `owner` is that of the first shape, in the world.
+    fn met(&mut self, pair: usize, gap: Gap, when: When, owner: &Pose);
+    /// Enough is known about the pair: only rows are looked at from here on.
+    fn done(&self, pair: usize) -> bool;
+    /// Whether the pair matters at all with the first shape's owner here.
+    fn counts(&self, pair: usize, owner: &Pose) -> bool;
 }
 
-struct Lease<'a, 'p> {
-    pair: &'p Pair<'a>,
+struct Lease {
     /// Joints of each side that move it against the other.
     first_joints: usize,
     second_joints: usize,
     /// No touch until the travels sum to this.
-    until: f64,
-    found: Option<Touch>,
+    meets: f64,
+}
+
+/// What a look at a pair came to.
+struct Look {
+    /// A lower bound of the distance if it is not exact.
+    gap: Gap,
+    exact: bool,
+    /// The first shape's, in the world.
+    owner: Pose,
 }
 
 pub(crate) struct Sweep<'a> {
@@ -99,31 +108,22 @@ pub(crate) struct Sweep<'a> {
 
 impl<'a> Sweep<'a> {
     pub fn new(case: &'a Case, track: &'a Track<'a>, movers: &'a [Mover<'a>]) -> Self {
-        let chains = movers.iter().map(|m| case.model.moving_joints_above(m.link)).collect();
+        let chain = |mover: &Mover| match mover.motion {
+            Motion::Link { link, .. } => case.model.moving_joints_above(link),
+            Motion::Slide(_) => vec![PUSH],
+        };
+        let chains = movers.iter().map(chain).collect();
         Self { case, track, movers, chains, at_rows: HashMap::new(), between: HashMap::new(), distances: 0 }
     }
 
-    /// The deepest touch of every subject that touches.
-    pub fn run(&mut self, pairs: &[Pair<'a>], budget: &Budget) -> Result<Vec<Touch>, CannotJudge> {
+    /// From the first row to the last.
+    pub fn run(&mut self, pairs: &[Pair<'a>], seek: &mut impl Seek, budget: &Budget) -> Result<(), CannotJudge> {
         let mut leases: Vec<Lease> = Vec::with_capacity(pairs.len());
-        for pair in pairs {
+        for (index, pair) in pairs.iter().enumerate() {
             budget.check()?;
             let (first_joints, second_joints) = self.joints_between(pair);
-            let gap = self.measure(pair, 0, 0.0, LOOK_AHEAD);
-            let mut lease = Lease { pair, first_joints, second_joints, until: gap.distance + LEFT_OPEN, found: None };
-            self.judge(&mut lease, gap, 0, 0.0);
-            if lease.found.is_none() && self.enclosed(pair) {
-                let depth = gap.distance.abs();
-                lease.found = Some(Touch {
-                    subject: pair.subject,
-                    row: 0,
-                    fraction: 0.0,
-                    depth,
-                    point: gap.point,
-                    enclosed: true,
-                });
-            }
-            leases.push(lease);
+            let look = self.look(pair, index, When { row: 0, fraction: 0.0 }, LOOK_AHEAD, seek);
+            leases.push(Lease { first_joints, second_joints, meets: look.gap.distance });
         }
         // By mover and number of joints, how far it has travelled against the link above those.
         let mut travelled: Vec<Vec<f64>> = self.chains.iter().map(|c| vec![0.0; c.len() + 1]).collect();
@@ -132,133 +132,141 @@ impl<'a> Sweep<'a> {
             budget.check()?;
             self.between.clear();
             self.bound_travel(row, &mut travel);
-            for lease in &mut leases {
+            for (index, (pair, lease)) in pairs.iter().zip(&mut leases).enumerate() {
                 let sum = |by_mover: &[Vec<f64>]| {
-                    let second = match lease.pair.second {
+                    let second = match pair.second {
                         Other::Still { .. } => 0.0,
                         Other::Mover(m) => by_mover[m][lease.second_joints],
                     };
-                    by_mover[lease.pair.first][lease.first_joints] + second
+                    by_mover[pair.first][lease.first_joints] + second
                 };
                 let (before, length) = (sum(&travelled), sum(&travel));
-                if before + length > lease.until {
-                    self.renew(lease, row, before, length, budget)?;
+                if before + length > lease.meets - seek.below(index) {
+                    lease.meets = self.renew((index, pair), row, before, length, seek, budget)?;
                 }
             }
             for (total, step) in travelled.iter_mut().flatten().zip(travel.iter().flatten()) {
                 *total += step;
             }
         }
-        let mut deepest: HashMap<usize, Touch> = HashMap::new();
-        for touch in leases.iter().filter_map(|l| l.found) {
-            let entry = deepest.entry(touch.subject).or_insert(touch);
-            if touch.depth > entry.depth {
-                *entry = touch;
-            }
-        }
-        let mut touches: Vec<Touch> = deepest.into_values().collect();
-        touches.sort_by_key(|t| t.subject);
-        Ok(touches)
+        Ok(())
     }
 
-    /// Measures at the start of the interval, in which the pair moves by at most `length`.
-    fn renew(
-        &mut self,
-        lease: &mut Lease<'a, '_>,
-        row: usize,
-        before: f64,
-        length: f64,
-        budget: &Budget,
-    ) -> Result<(), CannotJudge> {
-        let gap = self.measure(lease.pair, row, 0.0, length + LOOK_AHEAD);
-        self.judge(lease, gap, row, 0.0);
-        lease.until = before + gap.distance + LEFT_OPEN;
-        if before + length > lease.until {
-            if lease.found.is_none() {
-                self.halve(lease, row, (0.0, 1.0), length, budget)?;
+    /// Only at every so many rows, and no farther than matters: for a first idea.
+    pub fn sample(&mut self, pairs: &[Pair<'a>], every: usize, seek: &mut impl Seek, budget: &Budget) -> Result<(), CannotJudge> {
+        for row in (0..self.track.postures.len()).step_by(every) {
+            budget.check()?;
+            for (index, pair) in pairs.iter().enumerate() {
+                self.look(pair, index, When { row, fraction: 0.0 }, 0.0, seek);
             }
-            // The next interval measures afresh.
-            lease.until = f64::NEG_INFINITY;
         }
         Ok(())
     }
 
+    /// Measures at the start of the interval, in which the pair moves by at most `length`; returns when
+    /// it can touch.
+    fn renew(
+        &mut self,
+        (index, pair): (usize, &Pair<'a>),
+        row: usize,
+        before: f64,
+        length: f64,
+        seek: &mut impl Seek,
+        budget: &Budget,
+    ) -> Result<f64, CannotJudge> {
+        let look = self.look(pair, index, When { row, fraction: 0.0 }, length + LOOK_AHEAD, seek);
+        let meets = before + look.gap.distance;
+        if before + length <= meets - seek.below(index) {
+            return Ok(meets);
+        }
+        if !seek.done(index)
+            && (seek.counts(index, &look.owner) || seek.counts(index, &self.owner(pair.first, row + 1)))
+        {
+            self.halve((index, pair), row, (0.0, 1.0), length, seek, budget)?;
+        }
+        // The next interval measures afresh.
+        Ok(f64::NEG_INFINITY)
+    }
+
     fn halve(
         &mut self,
-        lease: &mut Lease<'a, '_>,
+        (index, pair): (usize, &Pair<'a>),
         row: usize,
         (low, high): (f64, f64),
         length: f64,
+        seek: &mut impl Seek,
         budget: &Budget,
     ) -> Result<(), CannotJudge> {
         budget.check()?;
         let middle = 0.5 * (low + high);
         let reach = 0.5 * (high - low) * length;
-        let gap = self.measure(lease.pair, row, middle, reach);
-        self.judge(lease, gap, row, middle);
-        if reach - gap.distance <= LEFT_OPEN || reach < FINE || lease.found.is_some() {
+        let look = self.look(pair, index, When { row, fraction: middle }, reach, seek);
+        if reach <= look.gap.distance - seek.below(index) || reach < FINE || seek.done(index) {
             return Ok(());
         }
-        self.halve(lease, row, (low, middle), length, budget)?;
-        self.halve(lease, row, (middle, high), length, budget)
+        self.halve((index, pair), row, (low, middle), length, seek, budget)?;
+        self.halve((index, pair), row, (middle, high), length, seek, budget)
     }
 
-    fn judge(&mut self, lease: &mut Lease<'a, '_>, gap: Gap, row: usize, fraction: f64) {
-        if gap.distance >= -TOUCH {
-            return;
+    /// Measures, if the pair may be within `reach` of mattering, and tells.
+    fn look(&mut self, pair: &Pair<'a>, index: usize, when: When, reach: f64, seek: &mut impl Seek) -> Look {
+        let look = self.measure(pair, when, reach + seek.below(index).max(0.0) + FINE);
+        if look.exact {
+            seek.met(index, look.gap, when, &look.owner);
         }
-        if let Some(forgiven) = &lease.pair.forgiven
-            && gap.distance >= -forgiven.overlap
-        {
-            let mover = &self.movers[lease.pair.first];
-            let owner = self.poses(row, fraction)[mover.link] * mover.link_from_owner;
-            if forgiven.near.iter().any(|p| (*p - owner.translation).length() <= forgiven.within) {
-                return;
-            }
-        }
-        let depth = -gap.distance;
-        if lease.found.is_none_or(|f| depth > f.depth) {
-            lease.found =
-                Some(Touch { subject: lease.pair.subject, row, fraction, depth, point: gap.point, enclosed: false });
-        }
+        look
     }
 
     /// The signed distance; beyond `reach`, a lower bound of it.
-    fn measure(&mut self, pair: &Pair<'a>, row: usize, fraction: f64, reach: f64) -> Gap {
+    fn measure(&mut self, pair: &Pair<'a>, when: When, reach: f64) -> Look {
         let movers = self.movers;
-        let poses = self.poses(row, fraction);
-        let first = &movers[pair.first];
-        let world_from_first = poses[first.link] * first.link_from_owner;
+        let (first, world_from_first) = (movers[pair.first].piece, self.pose(pair.first, when));
         let (second, world_from_second) = match &pair.second {
             Other::Still { piece, world_from_owner } => (*piece, *world_from_owner),
-            Other::Mover(m) => (movers[*m].piece, poses[movers[*m].link] * movers[*m].link_from_owner),
+            Other::Mover(m) => (movers[*m].piece, self.pose(*m, when)),
         };
-        let center = world_from_first.transform_point(first.piece.center);
+        let center = world_from_first.transform_point(first.center);
         let between = center - world_from_second.transform_point(second.center);
-        let balls = between.length() - first.piece.radius - second.radius;
+        let balls = between.length() - first.radius - second.radius;
+        let bound =
+            |distance: f64| Look { gap: Gap { distance, point: center }, exact: false, owner: world_from_first };
         if balls > reach {
-            return Gap { distance: balls, point: center };
+            return bound(balls);
         }
         self.distances += 1;
-        piece_gap(first.piece, &world_from_first, second, &world_from_second, reach)
-            .unwrap_or(Gap { distance: reach, point: center })
+        match piece_gap(first, &world_from_first, second, &world_from_second, reach) {
+            Some(gap) => Look { gap, exact: true, owner: world_from_first },
+            None => bound(reach),
+        }
     }
 
+    /// Whether, at the start, one of the two is wholly inside the other's mesh.
     fn enclosed(&mut self, pair: &Pair<'a>) -> bool {
-        let movers = self.movers;
-        let poses = self.poses(0, 0.0);
-        let first = &movers[pair.first];
-        let world_from_first = poses[first.link] * first.link_from_owner;
+        let (movers, start) = (self.movers, When { row: 0, fraction: 0.0 });
+        let (first, world_from_first) = (movers[pair.first].piece, self.pose(pair.first, start));
         let (second, world_from_second) = match &pair.second {
             Other::Still { piece, world_from_owner } => (*piece, *world_from_owner),
-            Other::Mover(m) => (movers[*m].piece, poses[movers[*m].link] * movers[*m].link_from_owner),
+            Other::Mover(m) => (movers[*m].piece, self.pose(*m, start)),
         };
-        first.piece.encloses(&world_from_first, second, &world_from_second)
-            || second.encloses(&world_from_second, first.piece, &world_from_first)
+        first.encloses(&world_from_first, second, &world_from_second)
+            || second.encloses(&world_from_second, first, &world_from_first)
+    }
+
+    /// A mover's owner at a row.
+    fn owner(&mut self, mover: usize, row: usize) -> Pose {
+        self.pose(mover, When { row, fraction: 0.0 })
+    }
+
+    /// A mover's owner in the world.
+    fn pose(&mut self, mover: usize, when: When) -> Pose {
+        match self.movers[mover].motion {
+            Motion::Link { link, link_from_owner } => self.poses(when)[link] * link_from_owner,
+            Motion::Slide(slide) => slide.at(when),
+        }
     }
 
     /// Link poses at a row, or so far on the straight line to the next.
-    fn poses(&mut self, row: usize, fraction: f64) -> &[Pose] {
+    fn poses(&mut self, When { row, fraction }: When) -> &[Pose] {
         let (case, track) = (self.case, self.track);
         if fraction == 0.0 {
             return self.at_rows.entry(row).or_insert_with(|| case.link_poses(&track.postures[row]));
@@ -277,9 +285,16 @@ impl<'a> Sweep<'a> {
         let delta: Vec<f64> =
             track.postures[row].iter().zip(&track.postures[row + 1]).map(|(a, b)| (b - a).abs()).collect();
         let chains = std::mem::take(&mut self.chains);
-        let poses = self.poses(row, 0.5);
+        let poses = self.poses(When { row, fraction: 0.5 });
         for ((mover, chain), out) in movers.iter().zip(&chains).zip(travel) {
-            let center = (poses[mover.link] * mover.link_from_owner).transform_point(mover.piece.center);
+            let (link, link_from_owner) = match mover.motion {
+                Motion::Link { link, link_from_owner } => (link, link_from_owner),
+                Motion::Slide(slide) => {
+                    out[1] = slide.ways[row + 1] - slide.ways[row];
+                    continue;
+                }
+            };
+            let center = (poses[link] * link_from_owner).transform_point(mover.piece.center);
             let mut half = 0.0;
             for (k, &j) in chain.iter().enumerate() {
                 if delta[j] > 0.0 {
@@ -312,6 +327,11 @@ impl<'a> Sweep<'a> {
             }
         }
     }
+}
+
+/// A point in the world, for messages.
+pub(crate) fn point(p: Vector) -> String {
+    format!("({:.4}, {:.4}, {:.4}) m", p.x, p.y, p.z)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 mod gantry;
 
-use clearway_plan::plan_file::{Action, MeshFile, Segment, SegmentKind, Status};
+use clearway_plan::plan_file::{MeshFile, SegmentKind, Status};
 use clearway_plan::scene_file::{Body, BoxKeys, MeshKeys, PointsKeys, Scale};
 use clearway_plan::{Budget, PlanFile};
 use clearway_verify::{CannotJudge, Rejected, Report, ViolationKind as Kind, accept, read_plan, verify, verify_file};
@@ -211,32 +211,6 @@ fn links_that_always_touch_may_go_unchecked() {
     assert!(!report.has(Kind::UncheckedPair), "{report}");
     plan.robot.unchecked_pairs.push(["rail".into(), "column".into()]);
     assert!(judge(&plan).has(Kind::UncheckedPair));
-}
-
-#[test]
-fn a_push_is_judged_but_for_where_the_object_is() {
-    let mut plan = plan(7);
-    // Nothing moves: an object "pushed" by nothing to where it stood, on what carried it.
-    let target = plan.scene.target.clone();
-    let last = plan.steps.pop().expect("a step");
-    let rest =
-        plan.steps.last().expect("a step").segments.last().expect("a segment").positions.last().expect("a row").clone();
-    let still = Segment {
-        kind: SegmentKind::Push,
-        times: vec![0.0, 0.02],
-        positions: vec![rest.clone(), rest],
-        gripper: last.segments[0].gripper.clone(),
-        attached: None,
-    };
-    let stands = plan.scene.objects.iter().find(|o| o.id == target).expect("the target").position;
-    let mut step = last.clone();
-    (step.action, step.segments) = (Action::Push, vec![still]);
-    step.placed.position = stands;
-    step.placed.quaternion = [0.0, 0.0, 0.0, 1.0];
-    plan.steps.push(step);
-    let report = judge(&plan);
-    assert!(report.is_valid(), "{report}");
-    assert_eq!(report.not_checked.len(), 1, "{report}");
 }
 
 #[test]

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from . import hold_rules, poses, tolerances
+from . import hold_rules, poses, push_rules, tolerances
+from .clearance import Clearance
 from .contact_rules import ContactRules, Hold
 from .meshes import MeshStore
 from .robot import Robot
@@ -71,10 +72,12 @@ def _judge(plan: dict, folder: Path, fast: bool, report: Report) -> None:
         hold_rules.check_standing(name, at, world, "scene", report)
     hold_rules.check_balance(world, "at the start", "scene", report)
     contacts = ContactRules(robot, pairs, report, fast)
+    room = Clearance(robot, world.clearance, report)
     for step in steps:
         if step.object not in world.objects:
             raise PlanError(f"{step.where}: {step.object!r} is no object of the scene")
-        _Replay(step, robot, world, contacts, report, anywhere=goal is not None).run()
+        _Replay(step, robot, world, (contacts, room), report, anywhere=goal is not None).run()
+    room.judge(plan.get("clearance"))
 
 
 class _Step:
@@ -87,6 +90,7 @@ class _Step:
         if self.action not in ("pick_place", "push"):
             raise PlanError(f"{self.where}: unknown action {self.action!r}")
         self.placed = poses.from_keys(keys["placed"])
+        self.push: dict | None = keys.get("push")
         self.segments = [
             read_segment(s, len(robot.joints), f"{self.where} segment {i} {s['kind']}")
             for i, s in enumerate(keys["segments"])
@@ -98,24 +102,28 @@ class _Replay:
     carries it."""
 
     def __init__(
-        self, step: _Step, robot: Robot, world: World, contacts, report: Report, anywhere: bool
+        self, step: _Step, robot: Robot, world: World, rules, report: Report, anywhere: bool
     ) -> None:
         self._step, self._robot, self._world = step, robot, world
-        self._contacts, self._report, self._anywhere = contacts, report, anywhere
+        (self._contacts, self._room), self._report, self._anywhere = rules, report, anywhere
         self._hold: Hold | None = None
         self._last: np.ndarray | None = None
         """World pose of the held object at the end of the segment before."""
         self._moved = False
+        self._pushed_to = 0.0
+        """Metres that the tool has come in the push segments before."""
 
     def run(self) -> None:
         step = self._step
         for segment in step.segments:
-            if segment.attached is None:
-                if self._hold:
-                    self._put_down(segment)
-            else:
+            if segment.attached is not None:
                 self._carry(segment)
+            elif segment.kind == "push":
+                self._slide(segment)
+            elif self._hold:
+                self._put_down(segment)
             self._contacts.check(segment, step.object, self._world, self._hold)
+            self._room.measure(segment, step.object, self._world, self._hold)
         if self._hold:
             self._report.add("release", step.where, f"{step.object} is still held at the end")
             self._put_down(step.segments[-1])
@@ -150,6 +158,31 @@ class _Replay:
             self._hold.tool, self._hold.tool_from_object = attached["tool"], tool_from_object
         self._last = at[-1]
         hold_rules.check_reach(step.object, at, robot, postures, world, where, report)
+
+    def _slide(self, segment: Segment) -> None:
+        """The object goes with the hand; all push segments are judged at the first."""
+        step, robot, world, report = self._step, self._robot, self._world, self._report
+        postures = robot.place(robot.values(segment.rows, segment.gripper))
+        pushing = [s for s in step.segments if s.kind == "push"]
+        if any(s.attached is not None for s in pushing):
+            raise PlanError(f"{step.where}: held in some push segments only")
+        if self._hold is None:
+            rows = np.concatenate([s.rows for s in pushing])
+            gripper = {k: np.concatenate([s.gripper[k] for s in pushing]) for k in segment.gripper}
+            ends = np.cumsum([0.0] + [s.times[-1] for s in pushing])
+            times = np.concatenate([s.times + t for s, t in zip(pushing, ends)])
+            every = robot.place(robot.values(rows, gripper))
+            where = segment.where
+            push = push_rules.begin(step, step.push, robot.tool, every, world, where, report)
+            push_rules.check_line(push, every, where, report)
+            push_rules.check_hand(push, every, robot, world, where, report)
+            push_rules.check_braking(push, every, times, world, where, report)
+            push_rules.check_way(push, world, where, report)
+            self._hold, self._moved = push, True
+        self._hold.furthest = self._pushed_to
+        self._pushed_to = max(self._pushed_to, float(self._hold.along(postures).max()))
+        # That it comes there is judged above; it may turn about itself.
+        self._last = step.placed
 
     def _pick_up(self, at, tool: str, tool_from_object, where: str) -> None:
         step, world, report = self._step, self._world, self._report

@@ -22,6 +22,7 @@ class Robot:
         self.fixed: dict[str, float] = planned.get("fixed") or {}
         self.home: dict[str, float] = planned.get("home") or {}
         self.hand_links: list[str] = planned["hand"]["links"]
+        self.tool: str = planned["tool"]
         self.limits = planned["limits"]
         self._known(self.joints, self.tree.joints, "robot.joints")
         self._known(self.fixed, self.tree.joints, "robot.fixed")

@@ -33,6 +33,20 @@ INSIDE = 1e-6
 """Metres that a footprint may stick out of its place."""
 LIFT_OFF = 0.01
 """Metres round where an object stood or is put within which its carrier may overlap it."""
+PUSH_PLACE = 1e-3
+"""Metres that a push may be off: its line, its length, where it ends."""
+PUSH_TURN = 0.01
+"""Radians that the tool may turn, and the object lean."""
+PUSH_NEAR = 1.5e-3
+"""Metres within which the hand pushes."""
+PUSH_DEPTH = 1e-3
+"""Metres that the hand may be inside what it pushes."""
+CARRIER_NEAR = 0.03
+"""Metres round where an object stood or is put within which its carrier may be as near as it is."""
+CLEARANCE = 1e-4
+"""Metres less than the clearance asked for that are let pass."""
+CLEARANCE_CLAIM = 3e-4
+"""Metres more than was measured that a plan may claim."""
 SUB_STEP = 2e-3
 """Metres that any point may move from one collision check to the next."""
 POSTURES = 300

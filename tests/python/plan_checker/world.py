@@ -13,6 +13,10 @@ _LOWERED = 3e-3
 """Metres an object is lowered by to see what would stop it."""
 
 
+_FRICTION = 0.4
+"""Of what says nothing of it."""
+
+
 @dataclass
 class Body:
     """A fixture or an object. `start` is the scene's world pose of the shape's centre."""
@@ -102,6 +106,9 @@ class World:
             low, high = centre[:2] - size / 2, centre[:2] + size / 2
             self.places.append(Place(entry["id"], low, high, float(centre[2])))
         self.standing = {name: body.start for name, body in self.objects.items()}
+        self.clearance = float(scene.get("clearance") or 0.0)
+        usual = scene.get("friction") or _FRICTION
+        self.friction = {o["id"]: float(o.get("friction") or usual) for o in scene["objects"]}
 
     def still(self, leave_out=()) -> list[tuple[Body, np.ndarray]]:
         """The fixtures, then the standing objects, with their world poses."""

@@ -15,6 +15,7 @@ pub mod plan;
 pub mod robot;
 mod rows;
 pub mod schema;
+pub mod simulate;
 mod summary;
 mod symbolic;
 pub mod verify;

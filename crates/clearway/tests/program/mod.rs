@@ -71,7 +71,8 @@ impl Program {
     /// Names and content.
     pub fn files(&self) -> Vec<(PathBuf, Option<Vec<u8>>)> {
         let entries = fs::read_dir(self.directory.path()).expect("a directory");
-        let mut files: Vec<_> = entries.map(|e| e.expect("an entry").path()).map(|p| (p.clone(), fs::read(p).ok())).collect();
+        let mut files: Vec<_> =
+            entries.map(|e| e.expect("an entry").path()).map(|p| (p.clone(), fs::read(p).ok())).collect();
         files.sort();
         files
     }
@@ -107,7 +108,10 @@ pub fn far_away() -> String {
 
 /// The example scene with its opening closed: a fixture in every grasp.
 pub fn closed_shelf() -> String {
-    shelf_with("fixtures:\n", "fixtures:\n- {id: curtain, box: {size: [0.045, 1.09, 0.52]}, position: [0.5225, 0, 0.85]}\n")
+    shelf_with(
+        "fixtures:\n",
+        "fixtures:\n- {id: curtain, box: {size: [0.045, 1.09, 0.52]}, position: [0.5225, 0, 0.85]}\n",
+    )
 }
 
 /// The example scene with a lid over the tray: nothing can be put down, and that is not proved.
@@ -150,8 +154,6 @@ limits: {acceleration: 4}
 
 /// The same with a wall that the upper arm cannot pass on either side.
 pub fn behind_a_wall() -> String {
-    AROUND_A_BALL.replace(
-        "obstacles:\n",
-        "obstacles:\n- {id: wall, box: {size: [0.6, 0.02, 0.2]}, position: [0.45, 0, 0]}\n",
-    )
+    AROUND_A_BALL
+        .replace("obstacles:\n", "obstacles:\n- {id: wall, box: {size: [0.6, 0.02, 0.2]}, position: [0.45, 0, 0]}\n")
 }

@@ -42,6 +42,8 @@ fn when(stack: &Stack, change: Change, blamed: Option<usize>) -> String {
         Change::Start => "at the start ".to_owned(),
         Change::Taken(object) => format!("with {} taken, ", stack.id(Carrier::Object(object))),
         Change::Put(object) if blamed == Some(object) => "put down, ".to_owned(),
+        Change::Pushed(object) if blamed == Some(object) => "on its way ".to_owned(),
+        Change::Pushed(object) => format!("with {} pushed, ", stack.id(Carrier::Object(object))),
         Change::Put(object) => format!("with {} put down, ", stack.id(Carrier::Object(object))),
     }
 }

@@ -21,7 +21,7 @@ use crate::report::{Place, Report, ViolationKind};
 use crate::rest::Standing;
 use balance::{Balance, Body, Rest, balance};
 use clearway_plan::Budget;
-use parry3d_f64::math::Pose;
+use parry3d_f64::math::{Pose, Vector};
 use polygon::{outside, widened};
 use stack::{Carrier, Stack};
 
@@ -39,6 +39,7 @@ enum Change {
     Start,
     Taken(usize),
     Put(usize),
+    Pushed(usize),
 }
 
 impl<'a> Stability<'a> {
@@ -65,11 +66,28 @@ impl<'a> Stability<'a> {
 
     /// The object stands here now, and no more where it stood.
     pub fn put(&mut self, object: usize, at: &Pose, place: Place, report: &mut Report) {
+        self.moved(object, at, Change::Put(object), place, report);
+    }
+
+    /// The object is pushed, and has come here.
+    pub fn slide(&mut self, object: usize, at: &Pose, place: Place, report: &mut Report) {
+        self.moved(object, at, Change::Pushed(object), place, report);
+    }
+
+    fn moved(&mut self, object: usize, at: &Pose, change: Change, place: Place, report: &mut Report) {
         let mut changed = self.stack.lift(object);
         self.stack.put(object, at);
         changed.push(object);
         let tell = |report: &mut Report, what| report.at(ViolationKind::Unstable, place, what);
-        self.check(&changed, Change::Put(object), tell, report);
+        self.check(&changed, change, tell, report);
+    }
+
+    /// How far what carries the object reaches beyond its centre of mass in a level direction, metres; up to
+    /// 0.1 mm too far, since a disc counts as a polygon within it.
+    pub fn reach(&self, object: usize, direction: Vector) -> f64 {
+        let (centre, direction) = (self.stack.centre(object), direction.truncate());
+        let patch = self.stack.under(object);
+        patch.iter().map(|p| (*p - centre).dot(direction)).fold(f64::NEG_INFINITY, f64::max) + patch::ROUND
     }
 
     /// Judges whatever hangs together with these.

@@ -21,7 +21,7 @@ const LEVEL: f64 = 0.0101;
 /// Faces whose corners differ less in height are flat, metres.
 const FLAT: f64 = 5e-5;
 /// A disc's polygon is within it by less than this, metres.
-const ROUND: f64 = 1e-4;
+pub(super) const ROUND: f64 = 1e-4;
 /// As `rest` has it: overlapping by less is not overlapping.
 const APART: f64 = 1e-6;
 /// How well the height at which shapes just touch is found, and how far above the normal is taken.

@@ -1,5 +1,6 @@
 //! The bound on travel is a bound; and the sweep agrees with brute force.
 
+use super::touch::touches;
 use super::*;
 use crate::meshes::Meshes;
 use crate::shapes::{cuboid, sphere};
@@ -53,18 +54,19 @@ fn nothing_travels_farther_than_its_bound() {
         let held = segment(2);
         let track = Track { step: 0, index: 0, segment: &held, start: 0.0, postures: vec![from, to] };
         let piece = Piece::new(Pose::translation(0.1, -0.05, 0.2), cuboid([0.1, 0.2, 0.3]));
-        let movers = [Mover { piece: &piece, link: n, link_from_owner: Pose::translation(0.0, 0.1, 0.0) }];
+        let in_link = Pose::translation(0.0, 0.1, 0.0);
+        let movers = [Mover { piece: &piece, motion: Motion::Link { link: n, link_from_owner: in_link } }];
         let mut sweep = Sweep::new(&case, &track, &movers);
         let mut travel = vec![vec![0.0; n + 1]];
         sweep.bound_travel(0, &mut travel);
         for _ in 0..100 {
             let (s, t) = (random.random_range(0.0..1.0), random.random_range(0.0..1.0));
             let corner = Vector::from([0.05, 0.1, 0.15].map(|h| if random.random_bool(0.5) { h } else { -h }));
-            let point = movers[0].link_from_owner * piece.pose * corner;
+            let point = in_link * piece.pose * corner;
             for (k, bound) in travel[0].iter().enumerate() {
                 // Seen from the link above the nearest k joints.
                 let mut at = |share: f64| {
-                    let poses = sweep.poses(0, share);
+                    let poses = sweep.poses(When { row: 0, fraction: share });
                     poses[n - k].inverse_transform_point(poses[n].transform_point(point))
                 };
                 let moved = (at(s) - at(t)).length();
@@ -94,8 +96,8 @@ fn agrees_with_brute_force() {
         let (piece, ball) =
             (Piece::new(Pose::IDENTITY, cuboid([0.05, 0.08, 0.2])), Piece::new(Pose::IDENTITY, sphere(0.03)));
         let movers = [
-            Mover { piece: &piece, link: n, link_from_owner: Pose::IDENTITY },
-            Mover { piece: &piece, link: 2, link_from_owner: Pose::IDENTITY },
+            Mover { piece: &piece, motion: Motion::Link { link: n, link_from_owner: Pose::IDENTITY } },
+            Mover { piece: &piece, motion: Motion::Link { link: 2, link_from_owner: Pose::IDENTITY } },
         ];
         // Near where the last link passes.
         let near =
@@ -105,18 +107,19 @@ fn agrees_with_brute_force() {
                 first: 0,
                 second: Other::Still { piece: &ball, world_from_owner: Pose::from_translation(near) },
                 subject: 0,
-                forgiven: None,
             },
-            Pair { first: 0, second: Other::Mover(1), subject: 1, forgiven: None },
+            Pair { first: 0, second: Other::Mover(1), subject: 1 },
         ];
-        let found = Sweep::new(&case, &track, &movers).run(&pairs, &Budget::unlimited()).expect("within budget");
+        let mut sweep = Sweep::new(&case, &track, &movers);
+        let found = touches(&mut sweep, &pairs, &[None, None], &Budget::unlimited()).expect("within budget");
         for pair in &pairs {
             let mut probe = Sweep::new(&case, &track, &movers);
             let mut deepest = f64::NEG_INFINITY;
             for r in 0..rows - 1 {
                 probe.between.clear();
                 for i in 0..200 {
-                    deepest = deepest.max(-probe.measure(pair, r, f64::from(i) / 200.0, 1.0).distance);
+                    let when = When { row: r, fraction: f64::from(i) / 200.0 };
+                    deepest = deepest.max(-probe.measure(pair, when, 1.0).gap.distance);
                 }
             }
             let touch = found.iter().find(|t| t.subject == pair.subject);

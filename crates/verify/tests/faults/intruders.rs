@@ -4,6 +4,7 @@
 use super::robot::{LinkShape, Robot, isometry, primitive, support};
 use super::{Fault, Random, moves, segment_of};
 use clearway_plan::PlanFile;
+use clearway_plan::clearance::Clearance;
 use clearway_plan::scene_file::{Body, BoxKeys, CylinderKeys, SphereKeys};
 use clearway_verify::ViolationKind as Kind;
 use k::link::Geometry;
@@ -13,6 +14,9 @@ use std::f64::consts::PI;
 
 /// Metres that an intruder reaches into what moves.
 const DEPTH: f64 = 5e-4;
+/// Metres asked of a plan, and what some intruder leaves.
+const ASKED: f64 = 5e-4;
+const LEFT: f64 = 2e-4;
 
 pub const FAULTS: fn() -> Vec<Fault> = || {
     vec![
@@ -29,6 +33,8 @@ pub const FAULTS: fn() -> Vec<Fault> = || {
             expected: &[Kind::HeldCollision],
             plant: link_touches_held,
         },
+        Fault { name: "fixture 0.2 mm from a link's way", expected: &[Kind::Clearance], plant: near_links_way },
+        Fault { name: "more room claimed than there is", expected: &[Kind::Clearance], plant: room_claimed },
     ]
 };
 
@@ -39,9 +45,9 @@ fn direction(random: &mut Random) -> Vector3<f64> {
     Vector3::new(flat * turn.cos(), flat * turn.sin(), z)
 }
 
-/// A body whose nearest point to what lies against `out` is `DEPTH` below `surface`. Overlap: half a
-/// millimetre along `out`, and no less along any other direction.
-fn intruder(surface: Vector3<f64>, out: Vector3<f64>, random: &mut Random) -> Body {
+/// A body whose nearest point to what lies against `out` is so far below `surface`: overlap along
+/// `out`, and no less along any other direction.
+fn intruder(surface: Vector3<f64>, out: Vector3<f64>, depth: f64, random: &mut Random) -> Body {
     let mut body = Body { id: "intruder".into(), ..Body::default() };
     let z_along_out = UnitQuaternion::rotation_between(&Vector3::z(), &out)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
@@ -54,7 +60,7 @@ fn intruder(surface: Vector3<f64>, out: Vector3<f64>, random: &mut Random) -> Bo
         1 => body.r#box = Some(BoxKeys { size: [wide, wide, thick] }),
         _ => body.cylinder = Some(CylinderKeys { radius: wide / 2.0, height: thick }),
     }
-    body.position = (surface + out * (thick / 2.0 - DEPTH)).into();
+    body.position = (surface + out * (thick / 2.0 - depth)).into();
     body
 }
 
@@ -78,7 +84,25 @@ fn in_links_way(plan: &mut PlanFile, robot: &Robot, random: &mut Random) -> Opti
     let shape = some_shape(robot, random, |s| !robot.moving_above(&s.link).is_empty())?;
     let out = direction(random);
     let surface = support(&shape.geometry, &shape.world_from_shape, &out);
-    plan.scene.fixtures.push(intruder(surface, out, random));
+    plan.scene.fixtures.push(intruder(surface, out, DEPTH, random));
+    Some(())
+}
+
+/// Nothing is touched; but the scene asks for more room.
+fn near_links_way(plan: &mut PlanFile, robot: &Robot, random: &mut Random) -> Option<()> {
+    instant(plan, robot, random, false)?;
+    let shape = some_shape(robot, random, |s| !robot.moving_above(&s.link).is_empty())?;
+    let out = direction(random);
+    let surface = support(&shape.geometry, &shape.world_from_shape, &out);
+    plan.scene.fixtures.push(intruder(surface, out, -LEFT, random));
+    plan.scene.clearance = Some(ASKED);
+    Some(())
+}
+
+/// No plan that takes things from among others keeps 45 mm.
+fn room_claimed(plan: &mut PlanFile, _: &Robot, _: &mut Random) -> Option<()> {
+    let asked = plan.scene.clearance.unwrap_or(0.0);
+    plan.clearance = Some(Clearance { asked, least: None, up_to: 0.045 });
     Some(())
 }
 
@@ -98,7 +122,7 @@ fn in_held_ones_way(plan: &mut PlanFile, robot: &Robot, random: &mut Random) -> 
     let (geometry, pose) = held(plan, robot, at)?;
     let out = direction(random);
     let surface = support(&geometry, &pose, &out);
-    plan.scene.fixtures.push(intruder(surface, out, random));
+    plan.scene.fixtures.push(intruder(surface, out, DEPTH, random));
     Some(())
 }
 

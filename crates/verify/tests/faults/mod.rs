@@ -4,6 +4,7 @@
 pub mod intruders;
 pub mod motion;
 pub mod objects;
+pub mod pushes;
 pub mod robot;
 pub mod structure;
 
@@ -26,7 +27,7 @@ pub struct Fault {
 
 /// Every fault there is.
 pub fn all() -> Vec<Fault> {
-    [structure::FAULTS, motion::FAULTS, objects::FAULTS, intruders::FAULTS]
+    [structure::FAULTS, motion::FAULTS, objects::FAULTS, pushes::FAULTS, intruders::FAULTS]
         .into_iter()
         .flat_map(|list| list())
         .collect()

@@ -19,7 +19,7 @@ pub const FAULTS: fn() -> Vec<Fault> = || {
         Fault { name: "object turns in the hand", expected: &[Kind::Teleport], plant: turns_in_hand },
         Fault { name: "attached far from the hand", expected: &[Kind::Grip], plant: far_from_hand },
         Fault { name: "let go in mid-air", expected: &[Kind::LetGo], plant: mid_air },
-        Fault { name: "put down elsewhere than placed", expected: &[Kind::PutDown, Kind::LetGo], plant: elsewhere },
+        Fault { name: "put down elsewhere than placed", expected: &[Kind::PutDown, Kind::LetGo, Kind::Push], plant: elsewhere },
         Fault { name: "placed tilted", expected: &[Kind::Tilted], plant: tilted },
         Fault { name: "placed off the tray", expected: &[Kind::OffPlace], plant: off_place },
         Fault { name: "placed above the tray", expected: &[Kind::Unsupported], plant: above_place },
@@ -82,6 +82,8 @@ fn hold_changes(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<(
 
 fn jumps_into_hand(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
     let step = random.random_range(0..plan.steps.len());
+    // What is pushed is not held.
+    all_attached(plan, step).next()?;
     // Twice the tolerance: a valid plan may use all of it.
     let away = some_direction(random) * random.random_range(2.01e-3..0.1);
     for attached in all_attached(plan, step) {
@@ -92,6 +94,7 @@ fn jumps_into_hand(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Optio
 
 fn turns_in_hand(plan: &mut PlanFile, _: &Robot, random: &mut Random) -> Option<()> {
     let step = random.random_range(0..plan.steps.len());
+    all_attached(plan, step).next()?;
     let axis = na::Unit::new_normalize(some_direction(random));
     let turn = UnitQuaternion::from_axis_angle(&axis, either_sign(random, 0.021, PI));
     for attached in all_attached(plan, step) {

@@ -1,11 +1,16 @@
 //! A robot simple enough to plan for by hand: a gantry over a table, with a parallel gripper that
-//! points down. [`plan`] takes some objects from the table to a tray, and is exactly valid.
+//! points down. [`plan`] takes some objects from the table to a tray, and is exactly valid; so is
+//! [`pushing`], which pushes one along the table.
+
+// Not every test that has a gantry uses all of it.
+#![allow(dead_code)]
 
 use clearway_plan::PlanFile;
 use clearway_plan::plan_file::{
     Action, Attached, GripperValue, JointLimits, LowerBound, PlacedPose, PlannedHand, PlannedRobot, Segment,
     SegmentKind, Status, Step,
 };
+use clearway_plan::push::Push;
 use clearway_plan::scene_file::{
     Body, BoxKeys, CylinderKeys, Part, PlaceArea, PoseKeys, RobotPlacement, SceneFile, SphereKeys,
 };
@@ -94,6 +99,61 @@ pub fn plan(random: &mut Xoshiro256PlusPlus) -> PlanFile {
     }
 }
 
+/// What [`pushing`] pushes, metres.
+pub const PUSHED_RADIUS: f64 = 0.035;
+pub const PUSHED_HEIGHT: f64 = 0.07;
+/// grasp_center above the table as it pushes: the fingers end 3 mm above it, the palm is over the object.
+const PUSH_HEIGHT: f64 = 0.03;
+
+/// A valid plan of one step: a cylinder on the empty table, `o0`, is pushed by the finger behind it.
+pub fn pushing(random: &mut Xoshiro256PlusPlus) -> PlanFile {
+    let turn = random.random_range(-0.3..0.3);
+    let (yaw, x): (f64, f64) = if random.random_bool(0.5) { (turn, -0.2) } else { (PI + turn, 0.2) };
+    let (distance, free) = (random.random_range(0.05..0.3), OPEN - PUSHED_RADIUS);
+    let body = Body {
+        id: "o0".into(),
+        cylinder: Some(CylinderKeys { radius: PUSHED_RADIUS, height: PUSHED_HEIGHT }),
+        position: [x, -0.13, PUSHED_HEIGHT / 2.0],
+        ..Body::default()
+    };
+    let at = Vector::from(body.position);
+    let object = Object { at, yaw: 0.0, height: PUSHED_HEIGHT, half_width: PUSHED_RADIUS, body };
+    let along = Vector::new(yaw.cos(), yaw.sin(), 0.0);
+    let mut mover = Mover { at: [0.0; 4], steps: Vec::new() };
+    let over = [x, -0.13, 0.0, yaw];
+    let down = PUSH_HEIGHT - TOOL_HEIGHT;
+    let end = Vector::from([x, -0.13, 0.0]) + along * (free + distance);
+    let segments = vec![
+        mover.go(SegmentKind::Transit, over, OPEN),
+        mover.go(SegmentKind::Approach, [x, -0.13, down, yaw], OPEN),
+        mover.go_within(SegmentKind::Push, [end.x, end.y, down, yaw], OPEN, 0.5),
+        mover.go(SegmentKind::Retreat, [end.x, end.y, 0.0, yaw], OPEN),
+        mover.go(SegmentKind::Transit, [0.0; 4], OPEN),
+    ];
+    let push = Push {
+        direction: along.to_array(),
+        distance,
+        free,
+        height: PUSHED_HEIGHT,
+        tips_at: PUSHED_RADIUS / 0.4,
+        margin_of_error: 0.0,
+    };
+    mover.steps.push(Step {
+        object: "o0".into(),
+        action: Action::Push,
+        segments,
+        placed: placed(&Pose::from_translation(at + along * distance)),
+        push: Some(push),
+    });
+    PlanFile {
+        status: Status::Solved,
+        robot: robot(),
+        removed: vec!["o0".into()],
+        steps: mover.steps,
+        ..PlanFile::unsolved(scene(&[object], "o0".into()))
+    }
+}
+
 fn object(index: usize, x: f64, y: f64, random: &mut Xoshiro256PlusPlus) -> Object {
     let height = random.random_range(0.08..0.15);
     let half_width = random.random_range(0.015..0.03);
@@ -175,7 +235,11 @@ fn robot() -> PlannedRobot {
         tool: "grasp_center".into(),
         fixed: BTreeMap::new(),
         home: by_joint([0.0; 4]),
-        limits: JointLimits { velocity: by_joint(VELOCITY), acceleration: by_joint(ACCELERATION), jerk: Some(by_joint(JERK)) },
+        limits: JointLimits {
+            velocity: by_joint(VELOCITY),
+            acceleration: by_joint(ACCELERATION),
+            jerk: Some(by_joint(JERK)),
+        },
         hand: PlannedHand {
             kind: "parallel".into(),
             frame: "grasp_center".into(),
@@ -239,10 +303,15 @@ impl Mover {
 
     /// A straight line in joint space, from rest to rest, with a fifth-order polynomial in time.
     fn go(&mut self, kind: SegmentKind, goal: [f64; 4], finger: f64) -> Segment {
+        self.go_within(kind, goal, finger, 1.0)
+    }
+
+    /// With this share of the limits of acceleration.
+    fn go_within(&mut self, kind: SegmentKind, goal: [f64; 4], finger: f64, share: f64) -> Segment {
         let from = self.at;
         let needed = (0..4).map(|j| {
             let far = (goal[j] - from[j]).abs();
-            (1.9 * far / VELOCITY[j]).max((5.8 * far / ACCELERATION[j]).sqrt())
+            (1.9 * far / VELOCITY[j]).max((5.8 * far / ACCELERATION[j] / share).sqrt())
         });
         let rows = ((needed.fold(0.1, f64::max) / 0.02).ceil() as usize).max(5);
         let share = |row: usize| {
