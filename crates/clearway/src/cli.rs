@@ -323,6 +323,9 @@ pub struct SimulateArgs {
     /// Time constant of the joints' controllers.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub lag: Option<f64>,
+    /// Steps of the physics per second.
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub rate: Option<f64>,
     /// What the plan moved may end so far from its place.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,

@@ -31,7 +31,7 @@ const TOLERANCE: f64 = 1e-4;
 /// Within this of where it stood or is put, an object may be near what carries it.
 const NEAR_REST: f64 = 0.03;
 /// Rows between first looks.
-const SAMPLE: usize = 8;
+const SAMPLE: usize = 24;
 /// So much more than measured may be claimed.
 const CLAIM: f64 = 2e-4;
 

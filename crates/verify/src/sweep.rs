@@ -153,7 +153,13 @@ impl<'a> Sweep<'a> {
     }
 
     /// Only at every so many rows, and no farther than matters: for a first idea.
-    pub fn sample(&mut self, pairs: &[Pair<'a>], every: usize, seek: &mut impl Seek, budget: &Budget) -> Result<(), CannotJudge> {
+    pub fn sample(
+        &mut self,
+        pairs: &[Pair<'a>],
+        every: usize,
+        seek: &mut impl Seek,
+        budget: &Budget,
+    ) -> Result<(), CannotJudge> {
         for row in (0..self.track.postures.len()).step_by(every) {
             budget.check()?;
             for (index, pair) in pairs.iter().enumerate() {

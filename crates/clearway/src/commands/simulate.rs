@@ -15,6 +15,7 @@ pub fn run(args: &SimulateArgs) -> Result<Exit, Failure> {
     let mut settings = Settings::default();
     settings.grip = args.grip.unwrap_or(settings.grip);
     settings.rubber = args.rubber.unwrap_or(settings.rubber);
+    settings.rate = args.rate.unwrap_or(settings.rate);
     settings.lag = args.lag.unwrap_or(settings.lag);
     settings.moved.position = args.tolerance.unwrap_or(settings.moved.position);
     settings.validate().and_then(|()| noise.validate()).map_err(Failure::bad_input)?;

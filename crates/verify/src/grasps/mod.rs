@@ -32,8 +32,8 @@ const SAME: f64 = 1e-5;
 const EXACT: f64 = 2e-5;
 /// A closed hand that stays this far off does not hold, metres.
 const LOOSE: f64 = 5e-4;
-/// Plans keep no more room than this, metres, and raise things by no more; the robot keeps this from
-/// itself.
+/// Plans keep no more room than this, metres, besides what the scene asks for, and raise things by no more;
+/// the robot keeps this from itself.
 const MOST_CLEARANCE: f64 = 1e-3;
 const MOST_LIFT: f64 = 0.02;
 const SELF_CLEARANCE: f64 = 2e-3;
@@ -86,7 +86,8 @@ impl<'a> Judge<'a> {
             return Err(no("the hand is not wide open, or the standoff is not the declared one"));
         }
         let small = |v: f64, most: f64| (0.0..=most).contains(&v);
-        if !small(proof.clearance, MOST_CLEARANCE) || !small(proof.held_clearance, MOST_CLEARANCE) || !small(proof.lift, MOST_LIFT) {
+        let most = MOST_CLEARANCE + plan.scene.clearance.unwrap_or(0.0);
+        if !small(proof.clearance, most) || !small(proof.held_clearance, most) || !small(proof.lift, MOST_LIFT) {
             return Err(no("its clearances or its lift are more than plans keep to"));
         }
         let mut rest = names.fixed.clone();
