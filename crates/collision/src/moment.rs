@@ -25,7 +25,7 @@ pub struct Held {
     pub fixtures_below: Vec<usize>,
     /// Likewise, objects, standing where the scene has them or put down elsewhere.
     pub objects_below: ObjectSet,
-    /// What stood nearer to it than the room asked for, and how near, metres: with those it keeps as much.
+    /// What stands nearer to it than the room asked for, and how near, metres: with those it keeps as much.
     pub close: Arc<Close>,
     /// The robot with the object in its hand, for quick answers; without it what is held is looked
     /// at exactly everywhere.
@@ -85,7 +85,7 @@ impl Moment {
         close.filter(|(f, _)| *f == index).fold(self.held_margin, |margin, (_, close)| margin.min(*close))
     }
 
-    /// The same with an object, wherever it stands.
+    /// The same with an object where the scene has it; what was put down elsewhere is kept off like anything.
     pub(crate) fn held_margin_to_object(&self, id: ObjectId) -> f64 {
         let close = self.held.iter().flat_map(|held| &held.close.objects);
         close.filter(|(o, _)| *o == id).fold(self.held_margin, |margin, (_, close)| margin.min(*close))

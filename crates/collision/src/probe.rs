@@ -160,6 +160,6 @@ impl World {
         let below = if resting { held.objects_below } else { ObjectSet::EMPTY };
         self.fixtures.iter().enumerate().any(|(i, f)| !(resting && held.fixtures_below.contains(&i)) && near(f, moment.held_margin_to_fixture(i)))
             || moment.standing.difference(below.with(held.object)).iter().any(|id| near(&self.objects[id.index()], moment.held_margin_to_object(id)))
-            || moment.placed.iter().any(|(id, o)| !below.contains(*id) && near(o, moment.held_margin_to_object(*id)))
+            || moment.placed.iter().any(|(id, o)| !below.contains(*id) && near(o, moment.held_margin))
     }
 }

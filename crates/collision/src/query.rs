@@ -137,7 +137,7 @@ impl World {
             }
         }
         let carriers = if moment.resting { held.objects_below } else { ObjectSet::EMPTY };
-        if moment.placed.iter().any(|(id, o)| !carriers.contains(*id) && near(o, moment.held_margin_to_object(*id))) {
+        if moment.placed.iter().any(|(id, o)| !carriers.contains(*id) && near(o, moment.held_margin)) {
             return true;
         }
         for id in moment.standing.difference(carriers).difference(ObjectSet::of(held.object)).iter() {

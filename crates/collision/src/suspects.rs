@@ -127,7 +127,7 @@ impl<'a> At<'a> {
                 None => match owner {
                     Owner::Fixture(index) => moment.held_margin_to_fixture(index),
                     Owner::Standing(id) => moment.held_margin_to_object(id),
-                    Owner::Placed(index) => moment.held_margin_to_object(moment.placed.get(index)?.0),
+                    Owner::Placed(_) => moment.held_margin,
                 },
             };
             Some((Question::Obstacle { body: s.link, obstacle, margin }, s.lanes))
