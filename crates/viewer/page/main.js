@@ -34,6 +34,8 @@ function start() {
   const colours = removalColours(plan);
   const chain = chainTo(tree, plan.robot?.tool, plan.robot?.base_joints ?? []);
 
+  measurePushes(timeline, toolAt);
+
   let time = 0;
   let playing = false;
   let dirty = true;
@@ -64,24 +66,29 @@ function start() {
   const labels = createLabels(byId('labels'), bodies);
   const above = createTopView(byId('above'), plan, bodies, base, byId('above-tip'));
 
+  /** Where the tool is at a row of a segment; null if the robot is not known. */
+  function toolAt(segment, row) {
+    const values = valuesAt(plan, { segments: [segment] }, segment.start + segment.times[row]);
+    return linkPoses(tree, jointValues(tree, values), base)[plan.robot?.tool]?.position ?? null;
+  }
+
   function toolPaths() {
     return timeline.segments.filter((s) => s.rows > 1).map((segment) => {
       const every = Math.max(1, Math.floor(segment.rows / 40));
       const points = [];
       for (let row = 0; row < segment.rows + every - 1; row += every) {
-        const t = segment.start + segment.times[Math.min(row, segment.rows - 1)];
-        const pose = linkPoses(tree, jointValues(tree, valuesAt(plan, { segments: [segment] }, t)), base)[plan.robot.tool];
-        if (pose) points.push(pose.position);
+        const position = toolAt(segment, Math.min(row, segment.rows - 1));
+        if (position) points.push(position);
       }
       return { points, stepIndex: segment.stepIndex, held: Boolean(segment.attached), colour: colours.get(segment.step.object)?.colour ?? TARGET_COLOUR };
     });
   }
 
-  showSummary(plan, timeline);
+  showSummary(plan, timeline, (t) => setTime(t));
   const markStep = showSteps(plan, timeline, colours, (t) => setTime(t));
   showWhy(plan, colours);
   showBands(plan, timeline, colours);
-  showFigures(plan, notes);
+  showFigures(plan, notes, (t) => setTime(t));
   const controls = createControls({ timeline, stage, above, options, setTime, toggle, invalidate, jump });
 
   function draw() {

@@ -72,6 +72,14 @@ function compose(a, b) {
   };
 }
 
+/** From one pose to another: `s` of the straight way, and of the turn. */
+function poseBetween(a, b, s) {
+  return {
+    position: a.position.map((v, i) => mix(v, b.position[i], s)),
+    quaternion: quatSlerp(a.quaternion, b.quaternion, s),
+  };
+}
+
 function invertPose(a) {
   const [x, y, z, w] = a.quaternion;
   const quaternion = [-x, -y, -z, w];

@@ -16,7 +16,15 @@ function swatch(colour, text = '') {
   return node;
 }
 
-function showSummary(plan, timeline) {
+/** Text that goes to a time when it is clicked; plain where there is none. */
+function timeLink(text, time, go) {
+  if (time === null) return element('span', '', text);
+  const node = element('button', 'to-time', text);
+  node.addEventListener('click', () => go(time));
+  return node;
+}
+
+function showSummary(plan, timeline, go) {
   const [word, tone] = STATUS[plan.status] ?? [String(plan.status ?? 'unknown'), 'warn'];
   byId('name').textContent = plan.scene.name || 'Plan';
   byId('status').textContent = word;
@@ -25,6 +33,11 @@ function showSummary(plan, timeline) {
   if (plan.timing?.total > 0) facts.push(`planned in ${seconds(plan.timing.total)}`);
   if (timeline.duration > 0) facts.push(`motion ${seconds(timeline.duration)}`);
   byId('facts').replaceChildren(...facts.map((f) => element('span', '', f)));
+  const room = clearanceWords(plan);
+  if (!room) return;
+  const link = timeLink(room.short, room.time, go);
+  link.title = room.whole;
+  byId('facts').append(link);
 }
 
 /** The list of steps, each with its segments; a click goes to where one begins. */
@@ -37,7 +50,7 @@ function showSteps(plan, timeline, colours, go) {
     const length = segments.length ? segments.at(-1).end - segments[0].start : 0;
     const known = plan.known?.find((k) => k.step === stepIndex);
     const looking = known && known.taking !== plan.scene.target;
-    const verb = step.action === 'push' ? 'push aside' : plan.goal ? destination(plan, step) : step.object === plan.scene.target ? 'take out, the target' : looking ? `take out, to look behind ${known.taking === step.object ? 'it' : known.taking}` : 'take out';
+    const verb = step.action === 'push' ? `push ${pushedBy(step)}` : plan.goal ? destination(plan, step) : step.object === plan.scene.target ? 'take out, the target' : looking ? `take out, to look behind ${known.taking === step.object ? 'it' : known.taking}` : 'take out';
     const head = element('button', 'step-head',
       swatch(colour, order ? String(order) : ''), element('span', 'step-name', step.object), element('span', 'quiet', verb), element('span', 'quiet time', seconds(length)));
     head.addEventListener('click', () => go(segments[0]?.start ?? 0));
@@ -71,6 +84,7 @@ function showWhy(plan, colours) {
     const line = (term, text) => details.append(element('p', 'quiet', element('b', '', term), ` ${text}`));
     if (object.blocked?.length) line('stood in the way of', object.blocked.join(', '));
     if (object.blocked_by?.length) line('needs gone', object.blocked_by.map(setText).join(' or '));
+    if (object.push) details.append(element('p', 'quiet', object.push));
     if (object.grasps?.length) {
       const most = Math.max(...object.grasps.map((g) => g.count));
       details.append(element('ul', 'grasps', ...object.grasps.map((g) => {
@@ -84,9 +98,11 @@ function showWhy(plan, colours) {
   byId('why-card').hidden = box.childElementCount === 0;
 }
 
-function showFigures(plan, notes) {
+function showFigures(plan, notes, go) {
   const { timing = {}, stats = {}, lower_bound: bound } = plan;
+  const room = clearanceWords(plan);
   const rows = [
+    ['Clearance', room && timeLink(room.whole, room.time, go)],
     ['Planning', timing.total > 0 ? `${seconds(timing.total)} (task ${seconds(timing.task)}, motion ${seconds(timing.motion)})` : null],
     ['Lower bound', bound ? `${bound.removed}, ${bound.kind}` : null],
     ['Rounds', stats.iterations || null],
@@ -99,7 +115,7 @@ function showFigures(plan, notes) {
     ['Objects', plan.scene.objects?.length],
     ['Seed', plan.seed],
   ].filter(([, value]) => value !== null && value !== undefined);
-  byId('figures').append(...rows.flatMap(([term, value]) => [element('dt', '', term), element('dd', '', String(value))]));
+  byId('figures').append(...rows.flatMap(([term, value]) => [element('dt', '', term), element('dd', '', value instanceof Node ? value : String(value))]));
   byId('notes').append(...notes.map((note) => element('p', 'note', note)));
 }
 

@@ -78,8 +78,7 @@ function valuesAt(plan, timeline, t) {
 
 /**
  * Where an object is at `t`: {pose, state}, the state one of `standing`, `held`, `pushed`,
- * `placed`. A pushed object is drawn on its way in proportion to the push's time, for a plan says
- * only where it ends.
+ * `placed`. `poses` are the links' at `t`.
  */
 function objectAt(plan, timeline, t, object, poses) {
   let pose = poseFromKeys(object);
@@ -96,16 +95,9 @@ function objectAt(plan, timeline, t, object, poses) {
       pose = poseFromKeys(step.placed);
       state = 'placed';
     } else if (step.action === 'push') {
-      const pushes = timeline.segments.filter((s) => s.stepIndex === stepIndex && s.kind === 'push');
-      const length = pushes.reduce((sum, s) => sum + s.end - s.start, 0);
-      const done = pushes.reduce((sum, s) => sum + clamp(t - s.start, 0, s.end - s.start), 0);
-      const share = length > 0 ? done / length : 0;
-      const end = poseFromKeys(step.placed);
+      const share = shareOfPush(timeline, t, stepIndex, poses[plan.robot?.tool]);
       if (share > 0) {
-        pose = {
-          position: pose.position.map((v, i) => mix(v, end.position[i], share)),
-          quaternion: quatSlerp(pose.quaternion, end.quaternion, share),
-        };
+        pose = poseBetween(pose, poseFromKeys(step.placed), share);
         state = share < 1 ? 'pushed' : 'placed';
       }
     }

@@ -9,6 +9,25 @@ function seconds(value) {
   return `${value < 100 ? value.toFixed(1) : Math.round(value)} s`;
 }
 
+/** A length of some millimetres: two digits of a small one, a large one to the millimetre. */
+function millimetres(metres) {
+  const value = 1000 * metres;
+  return `${Math.abs(value) < 10 ? Number(value.toPrecision(2)) : Math.round(value)} mm`;
+}
+
+/** How far a step pushes: “aside by 80 mm”. */
+const pushedBy = ({ push }) => (push?.distance > 0 ? `aside by ${millimetres(push.distance)}` : 'aside');
+
+/** The least room of the plan's motions, as {short, whole, time}; null if the plan does not say. */
+function clearanceWords({ clearance }) {
+  if (!clearance) return null;
+  const { least, asked, up_to: upTo } = clearance;
+  const wanted = asked > 0 ? `, ${millimetres(asked)} asked for` : '';
+  if (!least) return upTo > 0 ? { short: `clearance above ${millimetres(upTo)}`, whole: `above ${millimetres(upTo)}${wanted}`, time: null } : null;
+  const room = millimetres(least.distance);
+  return { short: `clearance ${room}`, whole: `${room}: ${(least.between ?? []).join(', ')}, at ${least.time.toFixed(1)} s${wanted}`, time: least.time };
+}
+
 /** The place area under a position, or null. */
 function placeUnder(plan, position) {
   return (plan.scene.place ?? []).find((area) =>
@@ -29,14 +48,15 @@ function doing(plan, segment) {
   const name = segment.step.object;
   const where = destination(plan, segment.step);
   if (segment.drives) return segment.attached ? `driving with ${name}` : `driving to where ${name} is in reach`;
+  const pushes = segment.step.action === 'push';
   switch (segment.kind) {
     case 'transit': return segment.beforeHold && !segment.released ? `moving to ${name}` : 'moving away';
-    case 'approach': return `reaching for ${name}`;
+    case 'approach': return pushes ? `reaching round ${name}, to push it` : `reaching for ${name}`;
     case 'grasp': return `gripping ${name}`;
     case 'transfer': return `carrying ${name} ${where}`;
     case 'release': return `letting go of ${name}`;
     case 'retreat': return `drawing back from ${name}`;
-    case 'push': return `pushing ${name} aside`;
+    case 'push': return `pushing ${name} ${pushedBy(segment.step)}`;
     default: return segment.kind;
   }
 }

@@ -10,10 +10,11 @@ const TEMPLATE: &str = include_str!("../page/page.html");
 const STYLE: &str = include_str!("../page/style.css");
 
 /// In order: each may use what stands before it.
-const SCRIPTS: [&str; 17] = [
+const SCRIPTS: [&str; 18] = [
     include_str!("../page/math.js"),
     include_str!("../page/urdf.js"),
     include_str!("../page/kinematics.js"),
+    include_str!("../page/push.js"),
     include_str!("../page/timeline.js"),
     include_str!("../page/words.js"),
     include_str!("../page/theme.js"),
