@@ -11,6 +11,7 @@ import { after, before, describe, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { openPage } from './browser.mjs';
 import { angleBetween, fromPose, linkMatrices, multiply, positionOf, quaternionOf, readJoints } from './fk.mjs';
+import { pushingPlan } from './pushing_plan.mjs';
 import { impossiblePlan, samplePlan } from './sample_plan.mjs';
 
 const POSITION_TOLERANCE = 1e-5;
@@ -201,6 +202,67 @@ describe('the page', () => {
     assert.deepEqual(session.problems, []);
     assert.deepEqual(session.requests, []);
   });
+});
+
+describe('a push', { skip: !plan.steps?.length }, () => {
+  let session, made, object, segment;
+  before(async () => {
+    made = pushingPlan(plan);
+    object = made.plan.steps[0].object;
+    segment = made.plan.steps[0].segments[0];
+    session = await openPage(pageWith(made.plan), { width: 1000, height: 640 });
+  });
+  after(() => session?.close());
+  const objectAt = ({ page }, t) => page.evaluate(([time, id]) => { window.clearway.setTime(time); return window.clearway.objectPose(id).position; }, [t, object]);
+  const assertNear = (found, expected, what) => {
+    const off = Math.hypot(...found.map((v, i) => v - expected[i]));
+    assert.ok(off < POSITION_TOLERANCE, `${what}: ${off} m off`);
+  };
+
+  test('takes the object along once the hand is at it, and leaves it where it has come', async () => {
+    assert.ok(made.ways[1] === 0 && made.ways.filter((w) => w > 0).length > 3, `${made.ways}`);
+    for (const [row, way] of made.ways.entries()) assertNear(await objectAt(session, segment.times[row]), made.at(way), `row ${row}`);
+    const total = await session.page.evaluate(() => window.clearway.duration);
+    assertNear(await objectAt(session, total), made.plan.steps[0].placed.position, 'at the end');
+    assertNear(await objectAt(session, 0), made.at(0), 'back at the start');
+    assert.deepEqual(session.problems, []);
+  });
+
+  test('goes evenly with time if the plan says only where it ends', async () => {
+    const { push, ...step } = made.plan.steps[0];
+    const other = await openPage(pageWith({ ...made.plan, steps: [step] }));
+    const length = segment.times.at(-1);
+    for (const share of [0, 0.25, 0.5, 1]) assertNear(await objectAt(other, share * length), made.at(share * push.distance), `at ${share}`);
+    assert.deepEqual(other.problems, []);
+    await other.close();
+  });
+
+  test('is told in words, with its reason', async () => {
+    const { page } = session;
+    const way = `aside by ${Math.round(made.plan.steps[0].push.distance * 1000)} mm`;
+    await page.evaluate(() => window.clearway.setTime(0.001));
+    assert.ok((await page.innerText('#step-words')).includes(`pushing ${object} ${way}`));
+    assert.ok((await page.innerText('#steps')).includes(`push ${way}`));
+    assert.ok((await page.innerText('#why')).includes(made.plan.why.objects[0].push));
+  });
+});
+
+test('says the least clearance, and goes to where it is', { skip: !plan.steps?.length }, async () => {
+  const { plan: other } = pushingPlan(plan);
+  const session = await openPage(pageWith(other), { width: 1000, height: 640 });
+  const { time } = other.clearance.least;
+  assert.ok((await session.page.innerText('#bar')).includes('clearance 3.7 mm'));
+  assert.ok((await session.page.innerText('#figures')).includes(`3.7 mm: link right_finger, object o8, at ${time.toFixed(1)} s`));
+  for (const place of ['#bar', '#figures']) {
+    await session.page.evaluate(() => window.clearway.setTime(0));
+    await session.page.click(`${place} .to-time`);
+    assert.equal(await session.page.evaluate(() => window.clearway.time), time);
+  }
+  assert.deepEqual(session.problems, []);
+  await session.close();
+  const far = await openPage(pageWith({ ...other, clearance: { asked: 0.002, up_to: 0.05 } }));
+  assert.ok((await far.page.innerText('#figures')).includes('above 50 mm, 2 mm asked for'));
+  await far.close();
 });
 
 test('fits a phone', async () => {

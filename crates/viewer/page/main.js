@@ -34,7 +34,7 @@ function start() {
   const colours = removalColours(plan);
   const chain = chainTo(tree, plan.robot?.tool, plan.robot?.base_joints ?? []);
 
-  measurePushes(timeline, toolAt);
+  measurePushes(plan, timeline, toolAt);
 
   let time = 0;
   let playing = false;

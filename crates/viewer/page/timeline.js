@@ -95,7 +95,7 @@ function objectAt(plan, timeline, t, object, poses) {
       pose = poseFromKeys(step.placed);
       state = 'placed';
     } else if (step.action === 'push') {
-      const share = shareOfPush(timeline, t, stepIndex, poses[plan.robot?.tool]);
+      const share = shareOfPush(timeline, t, stepIndex, poses[plan.robot?.tool]?.position);
       if (share > 0) {
         pose = poseBetween(pose, poseFromKeys(step.placed), share);
         state = share < 1 ? 'pushed' : 'placed';

@@ -248,7 +248,7 @@ function createTopView(canvas, plan, bodies, base, tip) {
       if (node) return `NodeCol ${setText(node.collisions)} · ${plural(node.roadmap_nodes, 'sample')}`;
     }
     const object = last && bodies.objects.find((o) => near(last.state.objects.get(o.id).pose.position, Math.max(7, (perMetre() * (o.bounds.max[0] - o.bounds.min[0])) / 2)));
-    if (object) return `${object.id} · ${object.target ? 'the target' : object.order ? `removed ${object.order}.` : 'stays'}`;
+    if (object) return `${object.id} · ${object.target ? 'the target' : object.order ? `${onlyPushed(plan, object.id) ? 'pushed aside' : 'removed'} ${object.order}.` : 'stays'}`;
     if (layers.roadmap && roadmap) {
       const i = roadmap.nodes.findIndex((n) => near(n, 4));
       if (i >= 0) return `Col ${setText(roadmap.collisions?.[i] ?? [])}`;

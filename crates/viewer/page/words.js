@@ -18,6 +18,12 @@ function millimetres(metres) {
 /** How far a step pushes: “aside by 80 mm”. */
 const pushedBy = ({ push }) => (push?.distance > 0 ? `aside by ${millimetres(push.distance)}` : 'aside');
 
+/** Whether all that is done to an object is to push it. */
+function onlyPushed(plan, id) {
+  const own = (plan.steps ?? []).filter((step) => step.object === id);
+  return own.length > 0 && own.every((step) => step.action === 'push');
+}
+
 /** The least room of the plan's motions, as {short, whole, time}; null if the plan does not say. */
 function clearanceWords({ clearance }) {
   if (!clearance) return null;

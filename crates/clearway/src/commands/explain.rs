@@ -205,6 +205,9 @@ fn object(why: &ObjectWhy) -> String {
 
 fn details(why: &ObjectWhy) -> String {
     let mut out = String::new();
+    if !why.push.is_empty() {
+        out += &format!("     {}\n", why.push);
+    }
     if !why.blocked_by.is_empty() && why.order > 0 {
         out += &format!("     had to wait for one of: {}\n", one_of(&why.blocked_by, usize::MAX));
     }

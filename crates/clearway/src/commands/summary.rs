@@ -89,7 +89,7 @@ pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> Stri
             1 => out += "  the base moves once\n",
             n => out += &format!("  the base moves {n} times\n"),
         }
-        out += "  verified: no violations\n";
+        out += &format!("  verified: no violations{}\n", clearance(plan));
     } else {
         out += &super::explain::some_objects(plan);
     }
@@ -99,6 +99,14 @@ pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> Stri
         }
     }
     out
+}
+
+/// The least room that the motions keep.
+fn clearance(plan: &PlanFile) -> String {
+    let Some(clearance) = &plan.clearance else { return String::new() };
+    let Some(least) = &clearance.least else { return format!("; clearance more than {:.0} mm", clearance.up_to * 1e3) };
+    let asked = if clearance.asked > 0.0 { format!(" ({:.1} mm asked)", clearance.asked * 1e3) } else { String::new() };
+    format!("; clearance {:.1} mm{asked}, {} and {} at {:.1} s", least.distance * 1e3, least.between[0], least.between[1], least.time)
 }
 
 fn count(n: usize, what: &str) -> String {
@@ -124,6 +132,7 @@ pub fn json(plan: &PlanFile, report: Option<&Report>, output: Option<&Path>, htm
         "duration": plan.duration(),
         "timing": plan.timing,
         "stats": plan.stats,
+        "clearance": plan.clearance,
         "verified": report.is_some_and(Report::is_valid),
         "why": plan.why.summary,
         "plan": path(output),
