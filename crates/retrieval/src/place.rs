@@ -54,9 +54,16 @@ pub fn standing_at(solid: &Solid, world_from_object: &Pose, yaw: f64, spot: &Spo
 
 /// The middle of the footprint.
 fn footprint_middle(solid: &Solid, pose: &Pose) -> Vec2 {
-    match solid.parts.as_slice() {
-        // A single centred primitive stands round its own origin.
-        [(part, convex)] if !matches!(convex, clearway_geometry::Convex::Hull(_)) => pose.point(part.translation).truncate(),
+    /// Parts are over each other within this, metres.
+    const OVER: f64 = 1e-9;
+    // Primitives over each other, a bottle's for one, stand round the line through their origins.
+    let origins = solid.parts.iter().map(|(part, convex)| {
+        let middle = pose.point(part.translation).truncate();
+        (!matches!(convex, clearway_geometry::Convex::Hull(_))).then_some(middle)
+    });
+    let mut origins = origins.collect::<Option<Vec<Vec2>>>().unwrap_or_default().into_iter();
+    match origins.next() {
+        Some(first) if origins.all(|o| o.abs_diff_eq(first, OVER)) => first,
         _ => enclosing_circle(solid, pose).centre,
     }
 }
