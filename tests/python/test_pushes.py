@@ -199,7 +199,7 @@ def walled_in(scene: dict) -> None:
 
 
 def walled_in_low(scene: dict) -> None:
-    """A millimetre or so higher is seen; these have to be seen as well."""
+    """Kerbs of 6 mm hold the object back as well as higher ones."""
     scene["fixtures"] += kerbs(0.75, gap=0.002, high=0.006)
 
 

@@ -1,7 +1,7 @@
 //! Robots of primitives and meshes, whose links spheres only cover: the links' own shapes decide.
 #![allow(clippy::unwrap_used)]
 
-use clearway_geometry::distance::{closer_than, distance};
+use clearway_geometry::distance::closer_than;
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
 use clearway_motion::{MotionPlanner, MotionSettings, MotionValidator, Obstacle, Surroundings, Trees, between};
 use clearway_plan::Budget;

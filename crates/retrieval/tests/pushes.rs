@@ -11,7 +11,7 @@ use clearway_scene::Scene;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A target behind one object, in a wide bay; `blocker` is that object's shape and what else is to be said of it.
+/// A target at the end of a narrow bay, and one object before it, where there is room; `blocker` is that object's shape and what else is to be said of it.
 fn scene(blocker: &str, others: &str) -> String {
     format!(
         "\
@@ -24,12 +24,14 @@ fixtures:
   - {{id: right, box: {{size: [0.6, 0.02, 0.5]}}, position: [0.9, -0.5, 0.85]}}
   - {{id: back, box: {{size: [0.02, 1.0, 0.5]}}, position: [1.21, 0, 0.85]}}
   - {{id: table, box: {{size: [0.54, 0.84, 0.03]}}, position: [0.1, -0.82, 0.485]}}
+  - {{id: bay_left, box: {{size: [0.34, 0.01, 0.3]}}, position: [1.03, 0.09, 0.75]}}
+  - {{id: bay_right, box: {{size: [0.34, 0.01, 0.3]}}, position: [1.03, -0.09, 0.75]}}
 {others}
 objects:
   - {{id: blocker, {blocker}, position: [0.75, 0.0, 0.72]}}
-  - {{id: wanted, cylinder: {{radius: 0.035, height: 0.24}}, position: [0.95, 0.0, 0.72]}}
-  - {{id: beside, cylinder: {{radius: 0.035, height: 0.24}}, position: [0.95, 0.17, 0.72]}}
-  - {{id: other, cylinder: {{radius: 0.035, height: 0.24}}, position: [0.95, -0.17, 0.72]}}
+  - {{id: wanted, cylinder: {{radius: 0.035, height: 0.24}}, position: [0.98, 0.0, 0.72]}}
+  - {{id: beside, cylinder: {{radius: 0.035, height: 0.24}}, position: [0.75, 0.35, 0.72]}}
+  - {{id: other, cylinder: {{radius: 0.035, height: 0.24}}, position: [0.75, -0.35, 0.72]}}
 target: wanted
 place: [{{id: tray, size: [0.5, 0.8], position: [0.1, -0.82, 0.5]}}]
 "
@@ -139,11 +141,13 @@ fn what_carries_something_is_not_pushed() {
 /// Between posts there is no room to push it to.
 #[test]
 fn without_room_it_is_picked() {
-    let posts = "\
-  - {id: post_left, box: {size: [0.02, 0.02, 0.05]}, position: [0.75, 0.06, 0.625]}
-  - {id: post_right, box: {size: [0.02, 0.02, 0.05]}, position: [0.75, -0.06, 0.625]}
-  - {id: post_behind, box: {size: [0.02, 0.06, 0.02]}, position: [0.815, 0.0, 0.61]}";
-    let told = why_not(&plan_with(&scene(CAN, posts), Pushes::Prefer, |_| ()), "blocker");
+    let posts = [
+        "  - {id: post_left, box: {size: [0.02, 0.02, 0.05]}, position: [0.75, 0.06, 0.625]}",
+        "  - {id: post_right, box: {size: [0.02, 0.02, 0.05]}, position: [0.75, -0.06, 0.625]}",
+        "  - {id: post_behind, box: {size: [0.02, 0.06, 0.02]}, position: [0.815, 0.0, 0.61]}",
+    ]
+    .join("\n");
+    let told = why_not(&plan_with(&scene(CAN, &posts), Pushes::Prefer, |_| ()), "blocker");
     assert!(told.starts_with("picked: "), "{told}");
     assert!(told.contains("no room to push it") || told.contains("would tip") || told.contains("does not get round"), "{told}");
 }
@@ -153,7 +157,7 @@ fn without_room_it_is_picked() {
 fn what_is_pushed_keeps_its_distance() {
     let plan = plan_with(&scene(CAN, ""), Pushes::Prefer, |file| file.clearance = Some(0.005));
     let Some(push) = &plan.steps[0].push else { panic!("not pushed: {}", plan.why.objects[0].push) };
-    for (x, y) in [(0.95, 0.0), (0.95, 0.17), (0.95, -0.17)] {
+    for (x, y) in [(0.98, 0.0), (0.75, 0.35), (0.75, -0.35)] {
         for i in 0..=100 {
             let d = push.distance * f64::from(i) / 100.0;
             let at = [0.75 + d * push.direction[0], d * push.direction[1]];

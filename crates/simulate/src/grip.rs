@@ -15,6 +15,9 @@ use clearway_verify::played::Played;
 const FEEBLE: f64 = 0.5;
 /// Until both pads touch they come together so fast, m/s each.
 const APPROACH: f64 = 0.02;
+/// Where the plan leaves the hand open, the pads come no closer than this by themselves, metres each: what is
+/// wider apart is not gripped.
+const BEYOND: f64 = 0.003;
 /// A pad never moves faster by force, m/s.
 const FASTEST: f64 = 0.1;
 /// The controller's damping over m / dt: at 8 and less grips were seen to shake.
@@ -81,6 +84,8 @@ pub(crate) struct Grip {
     /// N s/m.
     damping: f64,
     by_force: bool,
+    /// How far each pad has come beyond the plan without touching, metres.
+    beyond: f64,
     /// Both pads press as asked.
     pub holds: bool,
 }
@@ -92,7 +97,7 @@ impl Grip {
         // Two pads carry 2 µ F; twice what is needed to hang still.
         let needed = (weight / friction).min(STRONGEST * settings.grip);
         let asked = settings.grip.min(MOST_WEIGHTS * weight).max(needed);
-        Self { asked, damping: DAMPING * mass * settings.rate, by_force: false, holds: false }
+        Self { asked, damping: DAMPING * mass * settings.rate, by_force: false, beyond: 0.0, holds: false }
     }
 
     /// Where the joint goes next; `None`: where the plan says. `planned_over`: the plan's own closing has ended.
@@ -103,7 +108,11 @@ impl Grip {
             return None;
         }
         let touching = pads.least() > FEEBLE || pads.mean() > self.asked / 2.0;
+        if !touching && self.beyond >= BEYOND {
+            return Some(at);
+        }
         let closing = if touching { (self.asked - pads.mean()) / self.damping } else { APPROACH };
+        self.beyond += if touching { 0.0 } else { closing * dt };
         let closing = closing.clamp(-FASTEST, FASTEST);
         let moved = -2.0 * closing * dt / gripper.slope(at);
         Some((at + moved).clamp(gripper.range.0, gripper.range.1))

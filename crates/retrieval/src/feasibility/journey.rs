@@ -165,7 +165,10 @@ impl Feasibility {
             Ok(pushed) if pushes == Pushes::Prefer => return Ok(Ok(pushed)),
             Ok(pushed) => pushed,
             Err(reason) => {
-                journey.not_pushed.push((object, reason));
+                // Where nothing is ever pushed there is nothing to tell, unless it was asked for.
+                if pushes == Pushes::Prefer || !reason.is_of_scene() {
+                    journey.not_pushed.push((object, reason));
+                }
                 return self.carry_one(object, removed, stop, journey, budget);
             }
         };

@@ -33,6 +33,11 @@ pub enum NoPush {
 }
 
 impl NoPush {
+    /// Nothing is pushed in such a scene, whatever it is.
+    pub fn is_of_scene(self) -> bool {
+        matches!(self, Self::Drives | Self::PartlyObserved)
+    }
+
     pub fn reason(self) -> &'static str {
         match self {
             Self::Drives => "objects are not pushed while the base drives",

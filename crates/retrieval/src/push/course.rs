@@ -8,7 +8,7 @@ use clearway_scene::Scene;
 /// Between places looked at, metres: from one to the next a cylinder as wide as a bottle sweeps less than 0.1 mm
 /// beyond both.
 const STEP: f64 = 0.005;
-/// An object is looked at raised by this more than its margin: what carries it does not count.
+/// An object is looked at raised by this: what carries it does not count.
 const RAISED: f64 = 0.003;
 /// Between places at which it is made sure that it does not tip over an edge, metres.
 const STANDS_STEP: f64 = 0.04;
@@ -35,7 +35,7 @@ impl Course<'_> {
     /// How far it can go before something is nearer than the room kept, up to `farthest`.
     pub fn clear(&self, direction: Vec3, farthest: f64) -> f64 {
         let Self { world, object, room, .. } = *self;
-        let raise = world.up() * (room + RAISED);
+        let raise = world.up() * RAISED;
         let mut distance = 0.0;
         while distance <= farthest + 1e-9 {
             let at = self.pose(direction, distance);
