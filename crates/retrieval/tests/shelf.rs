@@ -4,7 +4,7 @@
 use clearway_collision::{CollisionModel, Scratch, World};
 use clearway_geometry::Vec2;
 use clearway_plan::event::Silent;
-use clearway_plan::plan_file::{SegmentKind, Status};
+use clearway_plan::plan_file::{Action, SegmentKind, Status};
 use clearway_plan::{Budget, ObjectId, ObjectSet};
 use clearway_retrieval::floor::Floor;
 use clearway_retrieval::roadmap::{self, Roadmap};
@@ -94,10 +94,12 @@ fn a_plan_is_whole_and_every_first_limit_finds_one() {
         assert!(first_limit == FirstLimit::All || plan.removed.len() <= plan.stats.exploration_limit);
         for step in &plan.steps {
             let kinds: Vec<SegmentKind> = step.segments.iter().map(|s| s.kind).collect();
-            use SegmentKind::{Approach, Grasp, Release, Retreat, Transfer};
-            for kind in [Approach, Grasp, Transfer, Release, Retreat] {
-                assert!(kinds.contains(&kind), "{kinds:?}");
-            }
+            use SegmentKind::{Approach, Grasp, Push, Release, Retreat, Transfer};
+            let needed: &[SegmentKind] = match step.action {
+                Action::PickPlace => &[Approach, Grasp, Transfer, Release, Retreat],
+                Action::Push => &[Approach, Push, Retreat],
+            };
+            assert!(needed.iter().all(|kind| kinds.contains(kind)), "{kinds:?}");
         }
         let home = &robot.home;
         let end = plan.steps.last().unwrap().segments.last().unwrap().positions.last().unwrap();
