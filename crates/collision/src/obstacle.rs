@@ -101,4 +101,10 @@ impl Obstacle {
     pub fn near_bound(&self, centre: Vec3, radius: f64, margin: f64) -> bool {
         centre.distance_squared(self.bound.centre) < (self.bound.radius + radius + margin).powi(2)
     }
+
+    /// Whether another obstacle comes closer than `margin`.
+    pub fn near(&self, other: &Obstacle, margin: f64) -> bool {
+        other.near_bound(self.bound.centre, self.bound.radius, margin)
+            && self.parts.iter().any(|p| other.parts.iter().any(|o| o.near_convex(&p.convex, &p.root_from_part, margin)))
+    }
 }

@@ -172,24 +172,22 @@ impl<'a> Fingers<'a> {
     }
 
     fn near(&self, value: f64, tool_from_object: &Pose, margin: f64) -> bool {
-        let world = self.world;
-        hand(world, value).iter().any(|(link, tool_from_link)| {
-            world.model.robot.links[*link].collision.parts.iter().any(|(part, convex)| {
-                let pose = *tool_from_link * *part;
-                self.solid.parts.iter().any(|(p, c)| closer_than(convex, &pose, c, &(*tool_from_object * *p), margin))
-            })
-        })
+        hand(self.world, value)
+            .any(|(pose, convex)| self.solid.parts.iter().any(|(p, c)| closer_than(convex, &pose, c, &(*tool_from_object * *p), margin)))
     }
 
 }
 
-/// The hand's links at a value of its joint, each with `tool_from_link`.
-pub(crate) fn hand(world: &World, value: f64) -> Vec<(usize, Pose)> {
+/// The parts of the hand's links at a value of its joint, each with `tool_from_part`.
+pub(crate) fn hand(world: &World, value: f64) -> impl Iterator<Item = (Pose, &Convex)> {
     let model = &world.model;
     let mut frames = Vec::new();
     model.kinematics.frames(&model.robot.home, value, &mut frames);
     let back = frames[model.kinematics.tool].inverse();
-    model.robot.hand.links.iter().map(|&link| (link, back * frames[link])).collect()
+    model.robot.hand.links.iter().flat_map(move |&link| {
+        let tool_from_link = back * frames[link];
+        model.robot.links[link].collision.parts.iter().map(move |(part, convex)| (tool_from_link * *part, convex))
+    })
 }
 
 /// A pose turned about z so that its z axis (its x axis, where that is upright) has no y.

@@ -12,7 +12,7 @@ use crate::place::{self, Spot};
 use crate::planner::Settings;
 use crate::trace;
 use crate::ways::{self, Explorer, Stage, Way};
-use clearway_collision::{CollisionModel, Obstacle, Touch};
+use clearway_collision::{CollisionModel, Touch};
 use clearway_geometry::{Pose, Vec2};
 use clearway_motion::distance;
 use clearway_plan::plan_file::{PlanFile, Timing};
@@ -127,7 +127,7 @@ impl Handling {
         let world = &self.arm.stands[0].world;
         let pose = |at: &Pose| world.root_from_world * *at;
         let (a, b) = (world.placed(object, &pose(at)), world.placed(other, &pose(other_at)));
-        near(&a, &b, self.arm.settings.held_margin) && !world.carries(&b, object, &pose(at)) && !world.carries(&a, other, &pose(other_at))
+        a.near(&b, self.arm.settings.held_margin) && !world.carries(&b, object, &pose(at)) && !world.carries(&a, other, &pose(other_at))
     }
 
     /// What carries an object that stands like this, of fixtures and of objects that stand like those.
@@ -193,7 +193,7 @@ impl Handling {
         let mut raised = world.root_from_world * *at;
         raised.translation += world.up() * RAISED;
         let above = world.placed(object, &raised);
-        if world.fixtures.iter().any(|f| near(&above, f, self.arm.settings.held_margin)) {
+        if world.fixtures.iter().any(|f| above.near(f, self.arm.settings.held_margin)) {
             return false;
         }
         match surface {
@@ -307,10 +307,4 @@ fn amid(area: &Place) -> Vec<Spot> {
 fn top_of(id: &str, (low, high): &(clearway_geometry::Vec3, clearway_geometry::Vec3)) -> Place {
     let size = (*high - *low).truncate();
     Place { id: id.to_owned(), size, centre: ((*low + *high) / 2.0).truncate().extend(high.z) }
-}
-
-/// Whether two obstacles come closer than `margin`.
-fn near(a: &Obstacle, b: &Obstacle, margin: f64) -> bool {
-    b.near_bound(a.bound.centre, a.bound.radius, margin)
-        && a.parts.iter().any(|p| b.parts.iter().any(|o| o.near_convex(&p.convex, &p.root_from_part, margin)))
 }

@@ -48,9 +48,6 @@ impl Settings {
     /// With so much room kept from everything, metres.
     #[must_use]
     pub fn with_clearance(self, clearance: f64) -> Self {
-        if clearance <= 0.0 {
-            return self;
-        }
         Self {
             lift: self.lift.max(1.2 * clearance + 0.003),
             margin: clearance + self.margin,

@@ -33,7 +33,7 @@ pub fn simulate(
     let played = Played::new(plan, directory)?;
     let objects = bodies::objects(plan, &played)?;
     let course = Course::new(plan, &played);
-    play(plan, &played, &course, &objects, settings, budget)
+    Player::new(plan, &played, &course, &objects, settings, budget)?.play()
 }
 
 /// Where the plan puts things, and what carries them there.
@@ -65,29 +65,8 @@ impl Course {
     }
 }
 
-/// Plays a plan among these objects.
-pub(crate) fn play(
-    plan: &PlanFile,
-    played: &Played,
-    course: &Course,
-    objects: &[Object],
-    settings: &Settings,
-    budget: &Budget,
-) -> Result<Outcome, CannotSimulate> {
-    let mut player = Player::new(plan, played, course, objects, settings, budget)?;
-    player.rest(settings.settle[0], -settings.settle[0])?;
-    for (step, put) in course.put.iter().enumerate() {
-        player.begin(step);
-        for segment in played.segments.iter().filter(|s| s.step == step) {
-            player.segment(segment, put)?;
-        }
-        player.touches.put_down(played.step_objects[step], &put.1);
-    }
-    player.rest(settings.settle[1], plan.duration())?;
-    Ok(player.outcome())
-}
-
-struct Player<'a> {
+/// A plan being played among these objects.
+pub(crate) struct Player<'a> {
     plan: &'a PlanFile,
     played: &'a Played,
     course: &'a Course,
@@ -115,7 +94,7 @@ struct Player<'a> {
 }
 
 impl<'a> Player<'a> {
-    fn new(
+    pub fn new(
         plan: &'a PlanFile,
         played: &'a Played,
         course: &'a Course,
@@ -151,6 +130,21 @@ impl<'a> Player<'a> {
             dt,
             links_at,
         })
+    }
+
+    /// Plays the plan, from rest to rest.
+    pub fn play(mut self) -> Result<Outcome, CannotSimulate> {
+        let [before, after] = self.settings.settle;
+        self.rest(before, -before)?;
+        for (step, put) in self.course.put.iter().enumerate() {
+            self.begin(step);
+            for segment in self.played.segments.iter().filter(|s| s.step == step) {
+                self.segment(segment, put)?;
+            }
+            self.touches.put_down(self.played.step_objects[step], &put.1);
+        }
+        self.rest(after, self.plan.duration())?;
+        Ok(self.outcome())
     }
 
     /// Nothing is commanded.

@@ -7,7 +7,7 @@ use crate::bodies;
 use crate::error::CannotSimulate;
 use crate::noise;
 use crate::outcome::Outcome;
-use crate::run::{Course, play};
+use crate::run::{Course, Player};
 use crate::settings::{Noise, Settings};
 use clearway_plan::{Budget, PlanFile};
 use clearway_verify::played::Played;
@@ -77,7 +77,7 @@ pub fn trials(
         let mixed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (index as u64 + 1).wrapping_mul(0xD1B5_4A32_D192_ED03);
         let mut random = Xoshiro256PlusPlus::seed_from_u64(mixed);
         let drawn = noise::draw(&played, &course.carriers, &objects, noise, &mut random);
-        play(plan, &played, &course, &drawn, settings, budget)
+        Player::new(plan, &played, &course, &drawn, settings, budget)?.play()
     };
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<Result<Outcome, CannotSimulate>>>> = (0..count).map(|_| Mutex::new(None)).collect();

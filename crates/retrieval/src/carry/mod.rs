@@ -16,7 +16,7 @@ use crate::mobile::bring::{Brought, Elsewhere};
 use crate::ways::Way;
 use clearway_collision::{Held, Moment, Obstacle, Touch, World};
 use clearway_geometry::Pose;
-use clearway_motion::{Path, Posture, RrtSettings, SimplifySettings, Timed, Trees};
+use clearway_motion::{Limits, Path, Posture, RrtSettings, SimplifySettings, Timed, Trees};
 use clearway_plan::plan_file::{Action, Segment, Step};
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 use clearway_robot::InverseKinematics;
@@ -91,9 +91,6 @@ impl Settings {
     /// With so much room kept from everything, metres.
     #[must_use]
     pub fn with_clearance(self, clearance: f64) -> Self {
-        if clearance <= 0.0 {
-            return self;
-        }
         Self {
             margin: clearance + self.margin,
             final_margin: clearance + self.final_margin,
@@ -269,9 +266,7 @@ impl<R: Rng> Carrier<'_, R> {
     /// The same with the hand open already.
     fn withdraw(&mut self, object: ObjectId, after: &mut Situation, back: Path, last: bool) -> Attempt<Timed> {
         let world = self.world;
-        let mut leaving = Moment::new(after.standing, world.model.robot.hand.open(), self.settings.final_margin);
-        leaving.placed = world.with_unseen(after.placed(world), object);
-        leaving.gripping = Some(object);
+        let leaving = self.leaving(object, after);
         let Some(end) = back.last().cloned() else { return obstructed("the way back is empty", ObjectSet::EMPTY) };
         let mut back = back;
         if last {
@@ -284,6 +279,25 @@ impl<R: Rng> Carrier<'_, R> {
         let back = attempt!(self.timed(&leaving, &back, None, "the retreat"));
         after.posture = back.positions.last().cloned().unwrap_or(end);
         Ok(Ok(back))
+    }
+
+    /// The moment in which the open hand leaves an object that was put down, or is about to.
+    fn leaving(&self, object: ObjectId, after: &Situation) -> Moment {
+        let world = self.world;
+        let mut leaving = Moment::new(after.standing, world.model.robot.hand.open(), self.settings.final_margin);
+        leaving.placed = world.with_unseen(after.placed(world), object);
+        leaving.gripping = Some(object);
+        leaving
+    }
+
+    /// The robot's limits, for motions that take so many times as long.
+    fn limits(&self, slower: f64) -> Limits {
+        let robot = &self.world.model.robot;
+        Limits {
+            velocity: robot.velocity.iter().map(|v| v / slower).collect(),
+            acceleration: robot.acceleration.iter().map(|a| a / slower.powi(2)).collect(),
+            jerk: robot.jerk.iter().map(|j| j / slower.powi(3)).collect(),
+        }
     }
 
     fn step(&self, object: ObjectId, segments: Vec<Segment>, world_from_object: &Pose) -> Step {

@@ -4,7 +4,7 @@ use super::{Attempt, Carrier, obstructed};
 use clearway_collision::{Lean, Moment, Scratch, Touch};
 use clearway_geometry::{Mat3, Pose, Vec3};
 use clearway_motion::{
-    Limits, NearEnds, Path, Posture, RrtSettings, Space, Surely, Timed, connect, distance, roundest, shorten, simplify, smooth, time_curve,
+    NearEnds, Path, Posture, RrtSettings, Space, Surely, Timed, connect, distance, roundest, shorten, simplify, smooth, time_curve,
 };
 use clearway_plan::{ObjectSet, Stop};
 use rand::{Rng, RngExt};
@@ -76,9 +76,7 @@ impl<R: Rng> Carrier<'_, R> {
     /// Smooths and times a path, and checks every row. `resting_within`: near the path's ends, by
     /// this much of the tool's way, what is held may rest on what carries it.
     pub(crate) fn timed(&mut self, moment: &Moment, path: &Path, resting_within: Option<f64>, what: &'static str) -> Attempt<Timed> {
-        let robot = &self.world.model.robot;
-        let limits =
-            Limits { velocity: robot.velocity.clone(), acceleration: robot.acceleration.clone(), jerk: robot.jerk.clone() };
+        let limits = self.limits(1.0);
         let mut lenient = moment.clone();
         lenient.resting = resting_within.is_some();
         let mut strict = Space::quick(self.world, moment, self.settings.final_step);

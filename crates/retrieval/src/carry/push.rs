@@ -5,8 +5,8 @@ use crate::grasps::hand;
 use crate::push::{GRAVITY, Settings};
 use crate::ways::Way;
 use clearway_collision::Moment;
-use clearway_geometry::{Pose, Vec3};
-use clearway_motion::{Limits, Path, Posture, Space, Timed, distance, roundest, time_curve};
+use clearway_geometry::{Convex, Pose, Vec3};
+use clearway_motion::{Path, Posture, Space, Timed, distance, roundest, time_curve};
 use clearway_plan::plan_file::{Action, SegmentKind, Step};
 use clearway_plan::push::Push;
 use clearway_plan::{ObjectId, ObjectSet};
@@ -61,7 +61,7 @@ impl<R: Rng> Carrier<'_, R> {
         if !path.iter().filter(with_it).all(|q| going.free(q)) {
             return obstructed("the push", ObjectSet::EMPTY);
         }
-        let Some(back) = self.ways_back(shove, &path, &after).into_iter().next() else {
+        let Some(back) = self.way_back(shove, &path, &after) else {
             return obstructed("the push: no way out for the hand", ObjectSet::EMPTY);
         };
         let pushed = attempt!(self.pushed(shove, settings, &path, &moments));
@@ -119,21 +119,17 @@ impl<R: Rng> Carrier<'_, R> {
         (coming, going)
     }
 
-    /// Ways out for the hand once the object is where it goes: straight out, or off the object and back to where
-    /// the hand came in.
-    fn ways_back(&self, shove: &Shove, path: &Path, after: &Situation) -> Vec<Path> {
-        let (world, object) = (self.world, shove.object);
-        let mut leaving = Moment::new(after.standing, world.model.robot.hand.open(), self.settings.final_margin);
-        leaving.placed = after.placed(world);
-        leaving.gripping = Some(object);
-        let mut leaving = Space::quick(world, &leaving, self.settings.step);
+    /// A way out for the hand once the object is where it goes: straight out, or else off the object and back to
+    /// where the hand came in.
+    fn way_back(&self, shove: &Shove, path: &Path, after: &Situation) -> Option<Path> {
+        let leaving = self.leaving(shove.object, after);
+        let mut leaving = Space::quick(self.world, &leaving, self.settings.step);
+        let mut free = |path: &Path| path.iter().skip(1).all(|q| leaving.free(q));
         let end = &path[path.len() - 1];
         let off = |way: &&Way| way.postures.first().map_or(f64::INFINITY, |q| distance(q, end));
         let straight = shove.ways_out.iter().min_by(|a, b| off(a).total_cmp(&off(b))).filter(|way| off(way) < NEAR);
         let straight = straight.map(|way| [end].into_iter().chain(&way.postures).cloned().collect::<Path>());
-        let mut back: Vec<Path> = straight.into_iter().chain(self.back_to_way_in(shove, end)).collect();
-        back.retain(|path| path.iter().skip(1).all(|q| leaving.free(q)));
-        back
+        straight.filter(&mut free).or_else(|| self.back_to_way_in(shove, end).filter(&mut free))
     }
 
     /// Off the object, the finger that pushed first, then aside to the way in, and out along it.
@@ -170,14 +166,9 @@ impl<R: Rng> Carrier<'_, R> {
     /// How far back the hand is off the object: its fingers end before it begins.
     fn past_fingers(&self, shove: &Shove) -> f64 {
         const ROOM: f64 = 0.01;
-        let (world, robot) = (self.world, &self.world.model.robot);
-        let tips = hand(world, robot.hand.open()).into_iter().flat_map(|(link, tool_from_link)| {
-            let parts = &robot.links[link].collision.parts;
-            parts.iter().map(move |(part, convex)| {
-                let pose = tool_from_link * *part;
-                pose.point(convex.support(pose.rotation.transpose() * Vec3::Z)).z
-            })
-        });
+        let world = self.world;
+        let tip = |(pose, convex): (Pose, &Convex)| pose.point(convex.support(pose.rotation.transpose() * Vec3::Z)).z;
+        let tips = hand(world, world.model.robot.hand.open()).map(tip);
         let pose = world.poses[shove.object.index()];
         let back = pose.rotation.transpose() * -shove.from.rotation.z_axis;
         let front = world.solids[shove.object.index()].support(back).dot(back);
@@ -211,22 +202,16 @@ impl<R: Rng> Carrier<'_, R> {
 
     /// A path timed so that the tool keeps to a speed and an acceleration along it.
     fn gently(&self, path: &Path, speed: f64, acceleration: f64, gone: impl Fn(&Posture) -> f64) -> Timed {
-        let robot = &self.world.model.robot;
-        let limits = |slower: f64| Limits {
-            velocity: robot.velocity.iter().map(|v| v / slower).collect(),
-            acceleration: robot.acceleration.iter().map(|a| a / slower.powi(2)).collect(),
-            jerk: robot.jerk.iter().map(|j| j / slower.powi(3)).collect(),
-        };
         let curve = roundest(path);
         let mut slower = 1.0;
-        let mut timed = time_curve(&curve, &limits(slower), self.settings.row);
+        let mut timed = time_curve(&curve, &self.limits(slower), self.settings.row);
         for _ in 0..4 {
             let excess = excess(&timed, speed, acceleration, &gone);
             if excess <= 1.0 {
                 break;
             }
             slower *= excess * 1.005;
-            timed = time_curve(&curve, &limits(slower), self.settings.row);
+            timed = time_curve(&curve, &self.limits(slower), self.settings.row);
         }
         timed
     }

@@ -70,10 +70,7 @@ impl<R: Rng> Carrier<'_, R> {
         let world = self.world;
         let object = held.object;
         let placed = world.placed(object, &pose);
-        let overlap = |a: &Obstacle, b: &Obstacle| {
-            b.near_bound(a.bound.centre, a.bound.radius, 0.0)
-                && a.parts.iter().any(|p| b.parts.iter().any(|o| o.near_convex(&p.convex, &p.root_from_part, self.settings.margin)))
-        };
+        let overlap = |a: &Obstacle, b: &Obstacle| a.near(b, self.settings.margin);
         if carrying.placed.iter().any(|(_, o)| overlap(&placed, o)) || carrying.standing.iter().any(|id| overlap(&placed, &world.objects[id.index()])) {
             return None;
         }

@@ -52,10 +52,7 @@ impl<R: Rng> Carrier<'_, R> {
 
         let mut after = others;
         after.placed.push((object, world.world_from_root * to));
-        let mut leaving = Moment::new(after.standing, world.model.robot.hand.open(), self.settings.final_margin);
-        leaving.placed = after.placed(world);
-        leaving.gripping = Some(object);
-        match self.hand_turning(&into.postures[0], &leaving, grasp.closed) {
+        match self.hand_turning(&into.postures[0], &self.leaving(object, &after), grasp.closed) {
             Touch::FREE => {}
             Touch::Objects(touched) => return obstructed("opening the hand", touched),
             Touch::Fixed => return obstructed("opening the hand", ObjectSet::EMPTY),

@@ -108,7 +108,8 @@ impl Feasibility {
         let friction = self.scene.file.objects[object.index()].friction.unwrap_or(clearway_plan::scene_file::FRICTION);
         let sides = self.level_grasps(stop, object, removed);
         let later = self.later_ways(stop, object, removed, later, budget)?;
-        let (mut ends, mut reason) = self.ends(stop, object, before, &upright, friction, &sides, &later);
+        let tips_at = upright.tips_at(friction);
+        let (mut ends, mut reason) = self.ends(stop, object, before, &upright, tips_at, &sides, &later);
         ends.sort_by(|a, b| a.distance.total_cmp(&b.distance));
         ends.truncate(self.pushing.tries);
         for end in &ends {
@@ -126,7 +127,7 @@ impl Feasibility {
                     free: end.contact.free,
                     distance: end.distance,
                     height: end.height,
-                    tips_at: upright.tips_at(friction),
+                    tips_at,
                     friction,
                     way_in,
                     ways_out: &ways_out,
@@ -189,7 +190,7 @@ impl Feasibility {
         object: ObjectId,
         before: &Situation,
         upright: &Upright,
-        friction: f64,
+        tips_at: f64,
         sides: &[Grasp],
         later: &[Vec<Later>],
     ) -> (Vec<End>, NoPush) {
@@ -206,18 +207,14 @@ impl Feasibility {
             let mut free = |way: &Later| !way.postures.iter().any(|q| world.meets(q, &way.moment, there, scratch));
             !later.iter().all(|ways| ways.iter().any(&mut free))
         };
-        let limit = pushing.tipping * upright.tips_at(friction);
-        let mut reaches = Reaches { world, object, upright, limit, aside: pushing.margin_of_error, known: Vec::new() };
+        let mut reaches = Reaches { world, object, upright, limit: pushing.tipping * tips_at, aside: pushing.margin_of_error, known: Vec::new() };
         for side in sides {
             for along in directions(&world.model.robot.hand.kind) {
                 let Some((from, contact)) = reaches.low_enough(side, along) else { continue };
                 reason = reason.max(NoPush::Tips);
-                let height = (from.translation.dot(up) - upright.bottom) + contact.top;
-                if from.translation.dot(up) - upright.bottom < LOWEST {
-                    continue;
-                }
-                let direction = from.rotation * along;
-                if direction.dot(up).abs() > LEVEL {
+                let tool = from.translation.dot(up) - upright.bottom;
+                let (height, direction) = (tool + contact.top, from.rotation * along);
+                if tool < LOWEST || direction.dot(up).abs() > LEVEL {
                     continue;
                 }
                 reason = reason.max(NoPush::NoRoom);

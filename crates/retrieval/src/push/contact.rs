@@ -33,10 +33,7 @@ impl Contact {
     /// not be held back as soon: pushed by an edge it turns away.
     pub fn of(world: &World, solid: &Solid, tool_from_object: &Pose, direction: Vec3, up: Vec3, aside: f64) -> Option<Self> {
         let open = world.model.robot.hand.open();
-        let parts: Vec<Part> = hand(world, open)
-            .into_iter()
-            .flat_map(|(link, pose)| world.model.robot.links[link].collision.parts.iter().map(move |(part, convex)| (pose * *part, convex)))
-            .collect();
+        let parts: Vec<Part> = hand(world, open).collect();
         let gap = |part: &Part, moved: Vec3, most: f64| {
             let pose = Pose::new(part.0.rotation, part.0.translation + moved);
             solid.parts.iter().fold(most, |nearest, (p, convex)| {

@@ -40,10 +40,7 @@ impl Course<'_> {
         while distance <= farthest + 1e-9 {
             let at = self.pose(direction, distance);
             let there = world.placed_with_room(object, &Pose::new(at.rotation, at.translation + raise), room);
-            let meets = |other: &Obstacle| {
-                other.near_bound(there.bound.centre, there.bound.radius, 0.0)
-                    && there.parts.iter().any(|p| other.parts.iter().any(|o| o.near_convex(&p.convex, &p.root_from_part, 0.0)))
-            };
+            let meets = |other: &Obstacle| there.near(other, 0.0);
             let standing = self.standing.iter().any(|id| meets(&world.objects[id.index()]));
             if standing || world.fixtures.iter().any(meets) || self.placed.iter().any(|(_, o)| meets(o)) {
                 break;
