@@ -1,7 +1,7 @@
 // Takes a picture of a page, for people to look at:
 //   node look.mjs PAGE.html OUT.png [width height time theme script]
 // FULL=1 takes the whole page, not only the window.
-import { openPage } from './browser.mjs';
+import { closeBrowsers, openPage } from './browser.mjs';
 
 const [page, out, width = 1400, height = 900, time = 0, theme = 'light', script = ''] = process.argv.slice(2);
 const session = await openPage(page, { width: Number(width), height: Number(height), theme, gl: process.env.GL !== '0' });
@@ -12,3 +12,4 @@ await session.page.waitForTimeout(900);
 await session.page.screenshot({ path: out, fullPage: process.env.FULL === '1' });
 for (const problem of session.problems) console.error(problem);
 await session.close();
+await closeBrowsers();

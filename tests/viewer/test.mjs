@@ -9,7 +9,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, describe, test } from 'node:test';
 import { fileURLToPath } from 'node:url';
-import { openPage } from './browser.mjs';
+import { closeBrowsers, openPage } from './browser.mjs';
 import { angleBetween, fromPose, linkMatrices, multiply, positionOf, quaternionOf, readJoints } from './fk.mjs';
 import { pushingPlan } from './pushing_plan.mjs';
 import { impossiblePlan, samplePlan } from './sample_plan.mjs';
@@ -19,7 +19,10 @@ const ANGLE_TOLERANCE = 1e-5;
 const folder = mkdtempSync(join(tmpdir(), 'clearway-page-'));
 const path = process.argv[2] ?? process.env.PAGE ?? samplePage();
 const plan = planIn(readFileSync(path, 'utf8'));
-after(() => rmSync(folder, { recursive: true, force: true }));
+after(async () => {
+  await closeBrowsers();
+  rmSync(folder, { recursive: true, force: true });
+});
 
 function samplePage() {
   const [from, to] = [join(folder, 'sample.plan.json'), join(folder, 'sample.html')];
