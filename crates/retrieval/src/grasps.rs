@@ -28,6 +28,8 @@ const CUP_GAP: f64 = 0.0003;
 const TOUCH: f64 = 0.0005;
 /// … and close up to this.
 const FIRM: f64 = 2e-5;
+/// A hand that nowhere reaches farther by this after half a turn about its z axis is the same upside down, metres.
+const ALIKE: f64 = 0.01;
 
 /// The poses of the tool that the robot file declares for an object, in its frame, and the grasp where
 /// the hand can hold it: not where it is too wide, or out of the fingers' reach.
@@ -46,8 +48,7 @@ pub fn declared(world: &World, object: ObjectId) -> Vec<(Pose, Option<Grasp>)> {
             }
         }
     }
-    if robot.hand.kind == HandKind::Parallel && robot.grasps.list.is_empty() && !last_joint_turns_round(world) {
-        // A parallel hand is the same upside down; a last joint that turns round finds that itself.
+    if both_ways_up(world) {
         let flip = Pose::new(Mat3::from_rotation_z(std::f64::consts::PI), Vec3::ZERO);
         let flipped: Vec<Pose> = poses.iter().map(|p| *p * flip).collect();
         poses.extend(flipped);
@@ -72,10 +73,36 @@ pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
     (grasps, dropped)
 }
 
-/// Whether the arm's last joint can make a whole turn.
-fn last_joint_turns_round(world: &World) -> bool {
+/// Whether grasps are declared for the hand as it is and upside down, where a parallel hand is the same; a last joint
+/// that makes a whole turn finds that itself.
+fn both_ways_up(world: &World) -> bool {
     let robot = &world.model.robot;
-    robot.lower.last().zip(robot.upper.last()).is_some_and(|(low, high)| high - low >= TAU)
+    let turns_round = robot.lower.last().zip(robot.upper.last()).is_some_and(|(low, high)| high - low >= TAU);
+    robot.hand.kind == HandKind::Parallel && robot.grasps.list.is_empty() && !turns_round
+}
+
+/// Whether grasps come in twos that differ by half a turn about the tool's z axis, and all that moves with the arm's
+/// last joint is about the same after it: a camera at the hand's side is not.
+pub fn in_twos(world: &World) -> bool {
+    if !both_ways_up(world) {
+        return false;
+    }
+    let model = &world.model;
+    let mut frames = Vec::new();
+    model.kinematics.frames(&model.robot.home, model.robot.hand.open(), &mut frames);
+    let back = frames[model.kinematics.tool].inverse();
+    let last = 1 << (model.kinematics.arm_joints - 1);
+    let moving = (0..frames.len()).filter(|&link| model.kinematics.moved_by[link] & last != 0);
+    let parts = moving.flat_map(|link| model.robot.links[link].collision.parts.iter().map(move |(part, convex)| (link, part, convex)));
+    let parts: Vec<(Pose, &Convex)> = parts.map(|(link, part, convex)| (back * frames[link] * *part, convex)).collect();
+    let reach = |d: Vec3| {
+        let along = |(pose, convex): &(Pose, &Convex)| pose.point(convex.support(pose.rotation.transpose() * d)).dot(d);
+        parts.iter().map(along).fold(f64::NEG_INFINITY, f64::max)
+    };
+    // To the corners, edges and sides of a cube.
+    let directions = (0..27).map(|i| Vec3::new(f64::from(i % 3 - 1), f64::from(i / 3 % 3 - 1), f64::from(i / 9 - 1)));
+    let alike = |d: Vec3| (reach(d) - reach(Vec3::new(-d.x, -d.y, d.z))).abs() < ALIKE;
+    directions.filter(|d| *d != Vec3::ZERO).map(Vec3::normalize).all(alike)
 }
 
 /// A level grasp from direction `angle` (the hand points that way, world yaw) at a fraction of the

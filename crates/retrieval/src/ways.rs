@@ -12,7 +12,7 @@
 //! further.
 
 use crate::floor::Floor;
-use crate::grasps::{Grasp, preset_grasps};
+use crate::grasps::{Grasp, in_twos, preset_grasps};
 use clearway_collision::lanes::{LANES, Suspects};
 use clearway_collision::{Held, Moment, Quick, Scratch, Touch, World};
 use clearway_geometry::{Pose, Vec2};
@@ -233,10 +233,11 @@ impl Explorer<'_> {
         let (grasps, too_wide) = preset_grasps(self.world, object);
         let mut found = Ways { counts: Counts { too_wide, ..Counts::default() }, ..Ways::default() };
         let home = &self.world.model.robot.home;
+        let in_twos = in_twos(self.world);
         for (index, grasp) in grasps.iter().enumerate() {
             budget.check()?;
             let root_from_tool = self.pose(object) * grasp.object_from_tool;
-            let branches = self.inverse.solve(&root_from_tool, home);
+            let branches = if in_twos { self.inverse.solve_of_two(&root_from_tool, home) } else { self.inverse.solve(&root_from_tool, home) };
             found.counts.out_of_reach += usize::from(branches.is_empty());
             found.unseen.extend(branches.into_iter().map(|q| (index, q)));
         }

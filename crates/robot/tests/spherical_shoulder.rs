@@ -4,7 +4,7 @@
 mod arms;
 
 use arms::{Joint, Random, apart, inside, posture};
-use clearway_geometry::{Pose, Vec3};
+use clearway_geometry::{Mat3, Pose, Vec3};
 use clearway_robot::inverse::SphericalShoulder;
 use clearway_robot::{InverseKinematics, Kinematics, Robot};
 use rand::{RngExt, SeedableRng};
@@ -49,7 +49,7 @@ fn same(a: &[f64], b: &[f64], within: f64) -> bool {
 
 fn at(closed: &SphericalShoulder, pose: &Pose, q7: f64) -> Vec<[f64; 7]> {
     let mut found = Vec::new();
-    closed.solve_at(pose, q7, |q| found.push(q));
+    closed.solve_at(&closed.wanted(pose), &closed.at(q7), |q| found.push(q));
     found
 }
 
@@ -220,6 +220,43 @@ fn solutions_over_the_sweep_are_sound_and_differ() {
         // The planted value of the last joint is among those tried, so all but singular ones.
         assert!(answered * 1000 >= POSES * 998, "{name}: {answered} of {POSES}");
     }
+}
+
+/// A hand that is the same upside down is asked for in both ways; together they answer wherever either could.
+#[test]
+fn of_a_pose_and_its_half_turn_each_answers_for_half_the_sweep() {
+    let mut halved = 0;
+    for (name, robot) in all() {
+        let kinematics = Kinematics::new(&robot);
+        let inverse = InverseKinematics::new(&robot, &kinematics);
+        let half_turn = Pose::new(Mat3::from_rotation_z(PI), Vec3::ZERO);
+        let middle = (robot.lower[6].max(-PI) + robot.upper[6].min(PI)) / 2.0;
+        let mut random = Random::seed_from_u64(8);
+        let (mut all, mut of_two, mut unanswered, mut outside) = (0, 0, 0, 0);
+        for _ in 0..300 {
+            let wanted = kinematics.tool(&posture(&robot, &mut random), 0.0);
+            let pair = [wanted, wanted * half_turn];
+            let whole: usize = pair.iter().map(|pose| inverse.solve(pose, &robot.home).len()).sum();
+            let found = pair.map(|pose| inverse.solve_of_two(&pose, &robot.home));
+            for (q, pose) in pair.iter().zip(&found).flat_map(|(pose, found)| found.iter().map(move |q| (q, pose))) {
+                assert!(apart(&kinematics.tool(q, 0.0), pose) <= 2e-9 && inside(&robot, q), "{name}: {q:?}");
+                outside += usize::from((q[6] - middle).abs() > PI / 2.0 + 1e-6);
+                of_two += 1;
+            }
+            all += whole;
+            unanswered += usize::from(whole > 0 && found.iter().all(Vec::is_empty));
+        }
+        // Where the last joint turns the tool about anything but its z axis, nothing is left out.
+        if outside == 0 {
+            halved += 1;
+            assert!(of_two * 5 <= all * 4, "{name}: {of_two} of {all}");
+        } else {
+            assert_eq!(of_two, all, "{name}");
+        }
+        assert!(unanswered <= 1, "{name}: {unanswered}");
+        println!("{name}: {of_two} of {all} postures, {unanswered} poses lost, {outside} beyond half a turn");
+    }
+    assert!(halved >= 2, "{halved}");
 }
 
 #[test]

@@ -41,7 +41,7 @@ fn planted_postures_come_back() {
             let q = posture(&robot, &mut random);
             let wanted = kinematics.tool(&q, 0.0);
             let mut found = Vec::new();
-            closed.solve_at(&wanted, q[0], |f| found.push(f));
+            closed.solve_at(&closed.wanted(&wanted), &closed.at(q[0]), |f| found.push(f));
             assert!(found.len() <= 8);
             branches += found.len();
             missed += usize::from(!found.iter().any(|f| same(f, &q, 1e-5)));

@@ -18,6 +18,7 @@ use chain::Chain;
 use clearway_geometry::Pose;
 use numeric::Limits;
 use std::f64::consts::TAU;
+use sweep::{Asked, Sweep};
 
 pub use spherical_shoulder::SphericalShoulder;
 pub use three_parallel::ThreeParallel;
@@ -39,7 +40,7 @@ pub struct InverseKinematics {
 #[derive(Clone, Debug)]
 enum Method {
     ThreeParallel(Box<ThreeParallel>),
-    SphericalShoulder(Box<SphericalShoulder>),
+    SphericalShoulder(Box<Sweep>),
     /// From these seeds, spread over the joint ranges.
     Numeric(Vec<Posture>),
 }
@@ -54,7 +55,7 @@ impl InverseKinematics {
         let method = if let Some(closed) = ThreeParallel::of(robot, kinematics) {
             Method::ThreeParallel(Box::new(closed))
         } else if let Some(closed) = SphericalShoulder::of(robot, kinematics) {
-            Method::SphericalShoulder(Box::new(closed))
+            Method::SphericalShoulder(Box::new(Sweep::new(closed, Limits { lower: &robot.lower, upper: &robot.upper })))
         } else {
             Method::Numeric(numeric::seeds(robot))
         };
@@ -71,7 +72,7 @@ impl InverseKinematics {
     pub fn describe(&self) -> &'static str {
         match &self.method {
             Method::ThreeParallel(_) => "closed form (three parallel axes, up to 8 branches)",
-            Method::SphericalShoulder(closed) if closed.at_wrist() => {
+            Method::SphericalShoulder(sweep) if sweep.closed.at_wrist() => {
                 "closed form (spherical wrist, up to 8 branches for each value of the first joint, which is swept)"
             }
             Method::SphericalShoulder(_) => {
@@ -98,6 +99,17 @@ impl InverseKinematics {
     /// turned by whole turns to be nearest to `near`: all of them, or, where there are infinitely many,
     /// some that differ. At a singularity one of the infinitely many.
     pub fn solve(&self, root_from_tool: &Pose, near: &[f64]) -> Vec<Posture> {
+        self.solve_some(root_from_tool, near, false)
+    }
+
+    /// The same for a hand that is the same upside down, and when it is asked for this pose and for the one turned by
+    /// half a turn about its z axis: of postures that differ by just that turn of the last joint one is found. Half
+    /// the work for arms with a swept last joint that turns the tool about z; others find all.
+    pub fn solve_of_two(&self, root_from_tool: &Pose, near: &[f64]) -> Vec<Posture> {
+        self.solve_some(root_from_tool, near, true)
+    }
+
+    fn solve_some(&self, root_from_tool: &Pose, near: &[f64], of_two: bool) -> Vec<Posture> {
         let sound = |q: &mut Posture| self.polish(root_from_tool, q) && self.wrap(q, near);
         match &self.method {
             Method::ThreeParallel(closed) => {
@@ -105,10 +117,11 @@ impl InverseKinematics {
                 found.retain_mut(sound);
                 distinct(found, 1e-6)
             }
-            Method::SphericalShoulder(closed) => {
-                let mut found = sweep::solve(closed, root_from_tool, near, (&self.lower, &self.upper), self.slivers);
+            Method::SphericalShoulder(sweep) => {
+                let asked = Asked { slivers: self.slivers, half_turn: of_two && sweep.half_turn_is_all() };
+                let mut found = sweep.solve(root_from_tool, near, asked);
                 found.retain_mut(|q| self.wrap(q, near));
-                let mut few = sweep::spread(found, near);
+                let mut few = sweep::spread(found, near, asked);
                 few.retain_mut(sound);
                 few
             }
@@ -134,10 +147,9 @@ impl InverseKinematics {
         if numeric::descend(&self.chain, root_from_tool, &mut q, Some(self.limits()), 20, TRAIL_TOLERANCE) && near(&q) {
             return Some(q);
         }
-        let Method::SphericalShoulder(closed) = &self.method else { return None };
-        q.copy_from_slice(&sweep::follow(closed, root_from_tool, from, &self.lower, &self.upper, reach)?);
-        let inside = |q: &[f64]| q.iter().zip(&self.lower).zip(&self.upper).all(|((q, l), u)| q >= l && q <= u);
-        (self.polish(root_from_tool, &mut q) && near(&q) && inside(&q)).then_some(q)
+        let Method::SphericalShoulder(sweep) = &self.method else { return None };
+        q.copy_from_slice(&sweep.follow(root_from_tool, from, self.limits(), reach)?);
+        (self.polish(root_from_tool, &mut q) && near(&q) && self.limits().hold(&q)).then_some(q)
     }
 
     fn limits(&self) -> Limits<'_> {

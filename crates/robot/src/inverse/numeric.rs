@@ -50,6 +50,12 @@ pub struct Limits<'a> {
     pub upper: &'a [f64],
 }
 
+impl Limits<'_> {
+    pub fn hold(&self, q: &[f64]) -> bool {
+        q.iter().zip(self.lower).zip(self.upper).all(|((q, low), high)| q >= low && q <= high)
+    }
+}
+
 /// The postures found from the seeds.
 pub fn solve(chain: &Chain, target: &Pose, seeds: &[Posture], limits: Limits) -> Vec<Posture> {
     let mut found = Vec::new();

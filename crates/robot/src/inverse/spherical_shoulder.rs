@@ -14,7 +14,7 @@
 //! T⁻¹ = e^(−ξ₇′q₇) … e^(−ξ₁′q₁) M⁻¹, where ξ′ are the axes in the tool's frame at the zero posture: the
 //! joints in reverse, each about the opposite direction. What is swept is then the first joint.
 
-use super::subproblems::{meeting_point, turn_onto, turn_to_height};
+use super::subproblems::{Turn, TurnToHeight, meeting_point, turn_onto};
 use crate::Robot;
 use crate::kinematics::Kinematics;
 use clearway_geometry::{Mat3, Pose, Vec3};
@@ -40,6 +40,27 @@ pub struct SphericalShoulder {
     /// The far end's frame, the tool's or, `reversed`, the root's, seen from that point.
     zero_end: Pose,
     ranges: [Range; 7],
+    /// How joint 4 sets the distance from shoulder to wrist, and joint 2 the height of axis 3 along axis 1.
+    fourth: TurnToHeight,
+    second: TurnToHeight,
+}
+
+/// Where the far end is to be.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted {
+    /// The last link's rotation from the zero posture.
+    turned: Mat3,
+    /// From the shoulder to the point of axis 7.
+    last: Vec3,
+}
+
+/// A value of the swept joint; the rest as the last link sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Swept {
+    pub value: f64,
+    to_last: Vec3,
+    axis6: Vec3,
+    across6: Vec3,
 }
 
 /// A joint's axis: a point of it and its unit direction.
@@ -109,6 +130,8 @@ impl SphericalShoulder {
             step: [elbow - shoulder, wrist - elbow, last - wrist],
             zero_end: Pose::new(end.rotation, end.translation - last),
             ranges,
+            fourth: TurnToHeight::new(elbow - shoulder, axis[3], wrist - elbow),
+            second: TurnToHeight::new(axis[0], axis[1], axis[2]),
         })
     }
 
@@ -122,45 +145,57 @@ impl SphericalShoulder {
         if self.reversed { 0 } else { 6 }
     }
 
+    /// Whether the last joint turns the tool about its z axis, and is the one that is swept.
+    pub fn turns_end_about_z(&self) -> bool {
+        let end = &self.zero_end;
+        let along = |v: Vec3| v.cross(self.axis[6]).length() < 1e-6;
+        !self.reversed && along(end.rotation.z_axis) && along(end.translation)
+    }
+
     /// The values of the swept joint at which shoulder and wrist are nearest to each other, and farthest.
-    pub fn extremes(&self, root_from_tool: &Pose) -> [f64; 2] {
-        let end = if self.reversed { root_from_tool.inverse() } else { *root_from_tool };
-        let turned = end.rotation * self.zero_end.rotation.transpose();
-        let last = end.translation - turned * self.zero_end.translation;
-        let nearest = -turn_onto(self.axis[6], self.step[2], turned.transpose() * (last - self.shoulder));
+    pub fn extremes(&self, wanted: &Wanted) -> [f64; 2] {
+        let nearest = -turn_onto(self.axis[6], self.step[2], wanted.turned.transpose() * wanted.last);
         [nearest, if nearest > 0.0 { nearest - PI } else { nearest + PI }]
     }
 
-    /// Hands `each` the postures, up to eight, that have `value` in the swept joint and whose others are
+    pub fn wanted(&self, root_from_tool: &Pose) -> Wanted {
+        let end = if self.reversed { root_from_tool.inverse() } else { *root_from_tool };
+        let turned = end.rotation * self.zero_end.rotation.transpose();
+        Wanted { turned, last: end.translation - turned * self.zero_end.translation - self.shoulder }
+    }
+
+    pub fn at(&self, value: f64) -> Swept {
+        let back = Mat3::from_axis_angle(self.axis[6], -value);
+        Swept { value, to_last: back * self.step[2], axis6: back * self.axis[5], across6: back * self.across[1] }
+    }
+
+    /// Hands `each` the postures, up to eight, that have this value in the swept joint and whose others are
     /// within the joints' limits but for whole turns. None where a whole circle of them is.
-    pub fn solve_at(&self, root_from_tool: &Pose, value: f64, mut each: impl FnMut([f64; 7])) {
+    pub fn solve_at(&self, wanted: &Wanted, swept: &Swept, mut each: impl FnMut([f64; 7])) {
         if self.reversed {
-            self.solve_from_shoulder(&root_from_tool.inverse(), value, |mut q| {
+            self.solve_from_shoulder(wanted, swept, |mut q| {
                 q.reverse();
                 each(q);
             });
         } else {
-            self.solve_from_shoulder(root_from_tool, value, each);
+            self.solve_from_shoulder(wanted, swept, each);
         }
     }
 
-    /// The same with joints counted from the shoulder, and `end` where the far end is to be.
-    fn solve_from_shoulder(&self, end: &Pose, q7: f64, mut each: impl FnMut([f64; 7])) {
-        let [h1, h2, h3, h4, h5, h6, h7] = self.axis;
-        let [to_elbow, to_wrist, to_last] = self.step;
-        // Rotations of the last link and of the one before, from the zero posture.
-        let turned = end.rotation * self.zero_end.rotation.transpose();
-        let sixth = turned * Mat3::from_axis_angle(h7, -q7);
-        let wrist = end.translation - turned * self.zero_end.translation - sixth * to_last;
-        let reach = wrist - self.shoulder;
-        let distance = reach.length();
-        if distance < 1e-9 {
+    /// The same with joints counted from the shoulder.
+    fn solve_from_shoulder(&self, wanted: &Wanted, swept: &Swept, mut each: impl FnMut([f64; 7])) {
+        let [h1, h2, h3, h4, h5, h6, _] = self.axis;
+        let [to_elbow, to_wrist, _] = self.step;
+        // From the shoulder to the wrist.
+        let reach = wanted.last - wanted.turned * swept.to_last;
+        let squared = reach.length_squared();
+        if squared < 1e-18 {
             return;
         }
-        let wanted = (distance * distance - to_elbow.length_squared() - to_wrist.length_squared()) / 2.0;
-        let Some(fourths) = turn_to_height(to_elbow, h4, to_wrist, wanted) else { return };
+        let Some(fourths) = self.fourth.to((squared - to_elbow.length_squared() - to_wrist.length_squared()) / 2.0) else { return };
+        let distance = squared.sqrt();
         let line = reach / distance;
-        let axis6 = sixth * h6;
+        let axis6 = wanted.turned * swept.axis6;
         // Axis 6 against the line from shoulder to wrist: along it, and across it.
         let along6 = axis6.dot(line);
         let across6 = axis6 - line * along6;
@@ -179,31 +214,32 @@ impl SphericalShoulder {
             let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
             let third_from_line = frame(seen, across5).transpose();
             let (u, v) = (across6.normalize(), line.cross(across6).normalize());
+            let across6 = wanted.turned * swept.across6;
             for sine in [sine, -sine] {
                 let third = frame(line, u * cosine + v * sine) * third_from_line;
-                let fourth = third * r4;
-                let seen = fourth.transpose() * axis6;
-                let q5 = turn_onto(h5, h6, seen);
+                let fourth_back = (third * r4).transpose();
+                let fifth = Turn::onto(h5, h6, fourth_back * axis6);
+                let q5 = fifth.angle();
                 if !self.ranges[4].holds(q5) {
                     continue;
                 }
-                let fifth = fourth * Mat3::from_axis_angle(h5, q5);
-                let q6 = turn_onto(h6, self.across[1], fifth.transpose() * (sixth * self.across[1]));
+                let q6 = turn_onto(h6, self.across[1], fifth.back(fourth_back * across6));
                 if !self.ranges[5].holds(q6) {
                     continue;
                 }
                 let axis3 = third * h3;
-                let Some(seconds) = turn_to_height(h1, h2, h3, h1.dot(axis3)) else { continue };
+                let across3 = third * self.across[0];
+                let Some(seconds) = self.second.to(h1.dot(axis3)) else { continue };
                 for q2 in seconds.into_iter().filter(|&q| self.ranges[1].holds(q)) {
-                    let r2 = Mat3::from_axis_angle(h2, q2);
-                    let q1 = turn_onto(h1, r2 * h3, axis3);
+                    let second = Turn::by(h2, q2);
+                    let first = Turn::onto(h1, second.forth(h3), axis3);
+                    let q1 = first.angle();
                     if !self.ranges[0].holds(q1) {
                         continue;
                     }
-                    let second = Mat3::from_axis_angle(h1, q1) * r2;
-                    let q3 = turn_onto(h3, self.across[0], second.transpose() * (third * self.across[0]));
+                    let q3 = turn_onto(h3, self.across[0], second.back(first.back(across3)));
                     if self.ranges[2].holds(q3) {
-                        each([q1, q2, q3, q4, q5, q6, q7]);
+                        each([q1, q2, q3, q4, q5, q6, swept.value]);
                     }
                 }
             }

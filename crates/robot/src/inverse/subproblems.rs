@@ -2,24 +2,76 @@
 
 use clearway_geometry::Vec3;
 
+/// A turn about an axis of unit length.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    axis: Vec3,
+    sine: f64,
+    cosine: f64,
+}
+
+impl Turn {
+    pub fn by(axis: Vec3, angle: f64) -> Self {
+        let (sine, cosine) = angle.sin_cos();
+        Self { axis, sine, cosine }
+    }
+
+    /// The one that turns `p` onto `q`, as well as can be.
+    pub fn onto(axis: Vec3, p: Vec3, q: Vec3) -> Self {
+        let (sine, cosine) = (axis.dot(p.cross(q)), p.dot(q) - axis.dot(p) * axis.dot(q));
+        let size = sine.hypot(cosine);
+        // Anything is as good where both are along the axis.
+        if size > 0.0 { Self { axis, sine: sine / size, cosine: cosine / size } } else { Self { axis, sine: 0.0, cosine: 1.0 } }
+    }
+
+    /// Radians in (−π, π].
+    pub fn angle(&self) -> f64 {
+        self.sine.atan2(self.cosine)
+    }
+
+    pub fn forth(&self, v: Vec3) -> Vec3 {
+        self.turned(v, self.sine)
+    }
+
+    pub fn back(&self, v: Vec3) -> Vec3 {
+        self.turned(v, -self.sine)
+    }
+
+    fn turned(&self, v: Vec3, sine: f64) -> Vec3 {
+        v * self.cosine + self.axis.cross(v) * sine + self.axis * (self.axis.dot(v) * (1.0 - self.cosine))
+    }
+}
+
 /// θ with `rot(k, θ) p = q`, as well as can be; radians in (−π, π].
 pub fn turn_onto(k: Vec3, p: Vec3, q: Vec3) -> f64 {
     k.dot(p.cross(q)).atan2(p.dot(q) - k.dot(p) * k.dot(q))
 }
 
-/// The θ with `h · rot(k, θ) p = d`: none, one (twice, when they coincide) or two.
-pub fn turn_to_height(h: Vec3, k: Vec3, p: Vec3, d: f64) -> Option<[f64; 2]> {
-    let sine = h.dot(k.cross(p));
-    let cosine = h.dot(p) - h.dot(k) * k.dot(p);
-    let size = sine.hypot(cosine);
-    let wanted = d - h.dot(k) * k.dot(p);
-    // Just out of reach counts as the end of reach: rounding must not lose a touching solution.
-    if size < 1e-12 || wanted.abs() > size + 1e-9 {
-        return None;
+/// The θ with `h · rot(k, θ) p = d`, for one `h`, `k` and `p` and many `d`: d = rest + size · cos(θ − middle).
+#[derive(Clone, Copy, Debug)]
+pub struct TurnToHeight {
+    rest: f64,
+    size: f64,
+    middle: f64,
+}
+
+impl TurnToHeight {
+    pub fn new(h: Vec3, k: Vec3, p: Vec3) -> Self {
+        let rest = h.dot(k) * k.dot(p);
+        let (sine, cosine) = (h.dot(k.cross(p)), h.dot(p) - rest);
+        Self { rest, size: sine.hypot(cosine), middle: sine.atan2(cosine) }
     }
-    let middle = sine.atan2(cosine);
-    let aside = (wanted / size).clamp(-1.0, 1.0).acos();
-    Some([middle + aside, middle - aside])
+
+    /// None, one (twice, when they coincide) or two.
+    pub fn to(&self, d: f64) -> Option<[f64; 2]> {
+        let wanted = d - self.rest;
+        // Just out of reach counts as the end of reach: rounding must not lose a touching solution.
+        if self.size < 1e-12 || wanted.abs() > self.size + 1e-9 {
+            return None;
+        }
+        let aside = (wanted / self.size).clamp(-1.0, 1.0).acos();
+        Some([self.middle + aside, self.middle - aside])
+    }
 }
 
 /// The point of the first line that is on the second, within `tolerance` metres; lines as point and

@@ -6,7 +6,7 @@
 //! its component of the last axis q₅, then q₆, the sum q₂+q₃+q₄, q₃ by the law of cosines, q₂, q₄.
 
 use super::Posture;
-use super::subproblems::{meeting_point, turn_onto, turn_to_height};
+use super::subproblems::{TurnToHeight, meeting_point, turn_onto};
 use crate::Robot;
 use crate::kinematics::Kinematics;
 use clearway_geometry::{Mat3, Pose, Vec3};
@@ -62,11 +62,11 @@ impl ThreeParallel {
         let mut found = Vec::with_capacity(8);
         let along = h2.dot(p12 + p23 + p34 + p45);
         // h₂ · rot(h₁, −q₁) wrist = along
-        let Some(firsts) = turn_to_height(h2, -h1, wrist, along) else { return found };
+        let Some(firsts) = TurnToHeight::new(h2, -h1, wrist).to(along) else { return found };
         for q1 in firsts {
             let back1 = Mat3::from_axis_angle(h1, -q1);
             let rest = back1 * turned;
-            let Some(fifths) = turn_to_height(h2, h5, h6, h2.dot(rest * h6)) else { continue };
+            let Some(fifths) = TurnToHeight::new(h2, h5, h6).to(h2.dot(rest * h6)) else { continue };
             for q5 in fifths {
                 let r5 = Mat3::from_axis_angle(h5, q5);
                 let seen = r5.transpose() * h2;
@@ -77,7 +77,7 @@ impl ThreeParallel {
                 let sum = turn_onto(h2, across, r234 * across);
                 let reach = back1 * wrist - p12 - r234 * p45;
                 let wanted = (reach.length_squared() - p23.length_squared() - p34.length_squared()) / 2.0;
-                let Some(elbows) = turn_to_height(p23, h2, p34, wanted) else { continue };
+                let Some(elbows) = TurnToHeight::new(p23, h2, p34).to(wanted) else { continue };
                 for turn3 in elbows {
                     let bent = p23 + Mat3::from_axis_angle(h2, turn3) * p34;
                     let q2 = turn_onto(h2, bent, reach);
