@@ -1,7 +1,8 @@
 //! Something that stands still, placed in the robot's root frame.
 
 use crate::directions::Directions;
-use clearway_geometry::{Convex, Pose, Solid, Vec3, distance::closer_than};
+use clearway_geometry::distance::{between, closer_than};
+use clearway_geometry::{Convex, Pose, Solid, Vec3};
 use clearway_robot::Sphere;
 
 /// A convex part in place.
@@ -106,5 +107,23 @@ impl Obstacle {
     pub fn near(&self, other: &Obstacle, margin: f64) -> bool {
         other.near_bound(self.bound.centre, self.bound.radius, margin)
             && self.parts.iter().any(|p| other.parts.iter().any(|o| o.near_convex(&p.convex, &p.root_from_part, margin)))
+    }
+
+    /// How far this can surely go along a unit direction before it touches another, `most` at most; 0 where the two
+    /// touch already. Metres.
+    pub fn way_to(&self, other: &Obstacle, direction: Vec3, most: f64) -> f64 {
+        let swept = (self.aabb.0 + (direction * most).min(Vec3::ZERO), self.aabb.1 + (direction * most).max(Vec3::ZERO));
+        if !other.near_aabb(swept, 0.0) {
+            return most;
+        }
+        let pairs = self.parts.iter().flat_map(|p| other.parts.iter().map(move |o| (p, o)));
+        pairs.fold(most, |way, (p, o)| match between(&p.convex, &p.root_from_part, &o.convex, &o.root_from_part) {
+            None => 0.0,
+            Some(apart) => {
+                // The plane between them, across the shortest way from one to the other, is reached first.
+                let nearing = -apart.dot(direction);
+                if nearing * way > apart.length_squared() { apart.length_squared() / nearing } else { way }
+            }
+        })
     }
 }

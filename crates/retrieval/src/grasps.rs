@@ -28,6 +28,8 @@ const CUP_GAP: f64 = 0.0003;
 const TOUCH: f64 = 0.0005;
 /// … and close up to this.
 const FIRM: f64 = 2e-5;
+/// Of the hand's stroke, a few centimetres, less than FIRM is left.
+const BISECTIONS: usize = 14;
 /// A hand that nowhere reaches farther by this after half a turn about its z axis is the same upside down, metres.
 const ALIKE: f64 = 0.01;
 
@@ -190,7 +192,7 @@ impl<'a> Fingers<'a> {
         }
         // Nearness only grows as the hand closes.
         let (mut apart, mut touching) = (hand.widest(), 0.0);
-        for _ in 0..20 {
+        for _ in 0..BISECTIONS {
             let middle = (apart + touching) / 2.0;
             let near = self.near(hand.joint_at(middle), tool_from_object, FIRM);
             *if near { &mut touching } else { &mut apart } = middle;

@@ -141,7 +141,7 @@ impl<R: Rng> Carrier<'_, R> {
                     let mut at = || self.random.random::<f64>();
                     let turn = Mat3::from_axis_angle(up, std::f64::consts::TAU * at());
                     let position = low + (high - low) * Vec3::new(at(), at(), at());
-                    let near = self.inverse.solve(&Pose::new(turn * from.rotation, position), start);
+                    let near = self.inverse.solve_soon(&Pose::new(turn * from.rotation, position), start);
                     let off = |q: &Posture| distance(q, start) + distance(q, goal);
                     guides.extend(near.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))));
                 }

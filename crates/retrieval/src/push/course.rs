@@ -5,9 +5,11 @@ use clearway_geometry::{Pose, Vec3};
 use clearway_plan::{ObjectId, ObjectSet};
 use clearway_scene::Scene;
 
-/// Between places looked at, metres: from one to the next a cylinder as wide as a bottle sweeps less than 0.1 mm
-/// beyond both.
+/// Between places looked at where something is near, metres: from one to the next a cylinder as wide as a bottle sweeps
+/// less than 0.1 mm beyond both.
 const STEP: f64 = 0.005;
+/// A way that surely is clear ends where two things touch; this much before, they do not.
+const ROUNDING: f64 = 1e-6;
 /// An object is looked at raised by this: what carries it does not count.
 const RAISED: f64 = 0.003;
 /// Between places at which it is made sure that it does not tip over an edge, metres.
@@ -36,18 +38,19 @@ impl Course<'_> {
     pub fn clear(&self, direction: Vec3, farthest: f64) -> f64 {
         let Self { world, object, room, .. } = *self;
         let raise = world.up() * RAISED;
-        let mut distance = 0.0;
-        while distance <= farthest + 1e-9 {
-            let at = self.pose(direction, distance);
+        let others = || self.standing.iter().map(|id| &world.objects[id.index()]).chain(&world.fixtures).chain(self.placed.iter().map(|(_, o)| &**o));
+        let (mut clear, mut next) = (0.0, 0.0);
+        while next <= farthest + 1e-9 {
+            let at = self.pose(direction, next);
             let there = world.placed_with_room(object, &Pose::new(at.rotation, at.translation + raise), room);
-            let meets = |other: &Obstacle| there.near(other, 0.0);
-            let standing = self.standing.iter().any(|id| meets(&world.objects[id.index()]));
-            if standing || world.fixtures.iter().any(meets) || self.placed.iter().any(|(_, o)| meets(o)) {
+            let least = |way: f64, other: &Obstacle| if way > 0.0 { there.way_to(other, direction, way) } else { way };
+            let way = others().fold(farthest - next + STEP, least);
+            if way <= 0.0 {
                 break;
             }
-            distance += STEP;
+            (clear, next) = (next + way, next + way.max(STEP));
         }
-        (distance - STEP).max(0.0)
+        (clear - ROUNDING).clamp(0.0, farthest)
     }
 
     /// Whether it stays on what carries it, all the way and a margin further.

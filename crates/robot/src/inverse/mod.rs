@@ -99,17 +99,22 @@ impl InverseKinematics {
     /// turned by whole turns to be nearest to `near`: all of them, or, where there are infinitely many,
     /// some that differ. At a singularity one of the infinitely many.
     pub fn solve(&self, root_from_tool: &Pose, near: &[f64]) -> Vec<Posture> {
-        self.solve_some(root_from_tool, near, false)
+        self.solve_some(root_from_tool, near, Asked { slivers: self.slivers, half_turn: false })
+    }
+
+    /// The same, sooner: poses that only few values of a redundant joint have are passed over.
+    pub fn solve_soon(&self, root_from_tool: &Pose, near: &[f64]) -> Vec<Posture> {
+        self.solve_some(root_from_tool, near, Asked { slivers: false, half_turn: false })
     }
 
     /// The same for a hand that is the same upside down, and when it is asked for this pose and for the one turned by
     /// half a turn about its z axis: of postures that differ by just that turn of the last joint one is found. Half
     /// the work for arms with a swept last joint that turns the tool about z; others find all.
     pub fn solve_of_two(&self, root_from_tool: &Pose, near: &[f64]) -> Vec<Posture> {
-        self.solve_some(root_from_tool, near, true)
+        self.solve_some(root_from_tool, near, Asked { slivers: self.slivers, half_turn: true })
     }
 
-    fn solve_some(&self, root_from_tool: &Pose, near: &[f64], of_two: bool) -> Vec<Posture> {
+    fn solve_some(&self, root_from_tool: &Pose, near: &[f64], asked: Asked) -> Vec<Posture> {
         let sound = |q: &mut Posture| self.polish(root_from_tool, q) && self.wrap(q, near);
         match &self.method {
             Method::ThreeParallel(closed) => {
@@ -118,7 +123,7 @@ impl InverseKinematics {
                 distinct(found, 1e-6)
             }
             Method::SphericalShoulder(sweep) => {
-                let asked = Asked { slivers: self.slivers, half_turn: of_two && sweep.half_turn_is_all() };
+                let asked = Asked { half_turn: asked.half_turn && sweep.half_turn_is_all(), ..asked };
                 let mut found = sweep.solve(root_from_tool, near, asked);
                 found.retain_mut(|q| self.wrap(q, near));
                 let mut few = sweep::spread(found, near, asked);

@@ -14,11 +14,11 @@
 //! T⁻¹ = e^(−ξ₇′q₇) … e^(−ξ₁′q₁) M⁻¹, where ξ′ are the axes in the tool's frame at the zero posture: the
 //! joints in reverse, each about the opposite direction. What is swept is then the first joint.
 
-use super::subproblems::{Turn, TurnToHeight, meeting_point, turn_onto};
+use super::subproblems::{Range, Turn, TurnToHeight, meeting_point, turn_onto};
 use crate::Robot;
 use crate::kinematics::Kinematics;
 use clearway_geometry::{Mat3, Pose, Vec3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// Axes that pass each other by no more than this meet, metres: URDFs round their angles. What is
 /// missed by that is mended afterwards.
@@ -70,20 +70,6 @@ struct Axis {
     direction: Vec3,
 }
 
-/// What a joint may be, whole turns aside.
-#[derive(Clone, Copy, Debug)]
-struct Range {
-    lower: f64,
-    span: f64,
-}
-
-impl Range {
-    fn holds(&self, q: f64) -> bool {
-        const ROUNDING: f64 = 1e-9;
-        self.span >= TAU - ROUNDING || (q - self.lower + ROUNDING).rem_euclid(TAU) <= self.span + 2.0 * ROUNDING
-    }
-}
-
 impl SphericalShoulder {
     /// The closed form for this arm, when it is built that way. One that is so from either end is seen
     /// from its root.
@@ -99,8 +85,7 @@ impl SphericalShoulder {
         }
         let tool = frames[kinematics.tool];
         let axes: [Axis; 7] = std::array::from_fn(|i| Axis { origin: axes[i].origin, direction: axes[i].direction });
-        let mut ranges: [Range; 7] =
-            std::array::from_fn(|i| Range { lower: robot.lower[i], span: robot.upper[i] - robot.lower[i] });
+        let mut ranges: [Range; 7] = std::array::from_fn(|i| Range::new(robot.lower[i], robot.upper[i]));
         Self::from_shoulder(&axes, tool, ranges, false).or_else(|| {
             let back = tool.inverse();
             let seen = |a: Axis| Axis { origin: back.point(a.origin), direction: -(back.rotation * a.direction) };
@@ -184,7 +169,7 @@ impl SphericalShoulder {
 
     /// The same with joints counted from the shoulder.
     fn solve_from_shoulder(&self, wanted: &Wanted, swept: &Swept, mut each: impl FnMut([f64; 7])) {
-        let [h1, h2, h3, h4, h5, h6, _] = self.axis;
+        let [h1, _, h3, _, h5, h6, _] = self.axis;
         let [to_elbow, to_wrist, _] = self.step;
         // From the shoulder to the wrist.
         let reach = wanted.last - wanted.turned * swept.to_last;
@@ -199,11 +184,10 @@ impl SphericalShoulder {
         // Axis 6 against the line from shoulder to wrist: along it, and across it.
         let along6 = axis6.dot(line);
         let across6 = axis6 - line * along6;
-        for q4 in fourths.into_iter().filter(|&q| self.ranges[3].holds(q)) {
-            let r4 = Mat3::from_axis_angle(h4, q4);
+        for fourth in fourths.into_iter().filter(|turn| self.ranges[3].holds(turn)) {
             // The same line and axis 5, as the third link sees them.
-            let seen = (to_elbow + r4 * to_wrist) / distance;
-            let axis5 = r4 * h5;
+            let seen = (to_elbow + fourth.forth(to_wrist)) / distance;
+            let axis5 = fourth.forth(h5);
             let along5 = axis5.dot(seen);
             let across5 = axis5 - seen * along5;
             let sizes = across5.length() * across6.length();
@@ -217,28 +201,26 @@ impl SphericalShoulder {
             let across6 = wanted.turned * swept.across6;
             for sine in [sine, -sine] {
                 let third = frame(line, u * cosine + v * sine) * third_from_line;
-                let fourth_back = (third * r4).transpose();
-                let fifth = Turn::onto(h5, h6, fourth_back * axis6);
-                let q5 = fifth.angle();
-                if !self.ranges[4].holds(q5) {
+                let third_back = third.transpose();
+                let fifth = Turn::onto(h5, h6, fourth.back(third_back * axis6));
+                if !self.ranges[4].holds(&fifth) {
                     continue;
                 }
-                let q6 = turn_onto(h6, self.across[1], fifth.back(fourth_back * across6));
-                if !self.ranges[5].holds(q6) {
+                let sixth = Turn::onto(h6, self.across[1], fifth.back(fourth.back(third_back * across6)));
+                if !self.ranges[5].holds(&sixth) {
                     continue;
                 }
                 let axis3 = third * h3;
                 let across3 = third * self.across[0];
                 let Some(seconds) = self.second.to(h1.dot(axis3)) else { continue };
-                for q2 in seconds.into_iter().filter(|&q| self.ranges[1].holds(q)) {
-                    let second = Turn::by(h2, q2);
+                for second in seconds.into_iter().filter(|turn| self.ranges[1].holds(turn)) {
                     let first = Turn::onto(h1, second.forth(h3), axis3);
-                    let q1 = first.angle();
-                    if !self.ranges[0].holds(q1) {
+                    if !self.ranges[0].holds(&first) {
                         continue;
                     }
-                    let q3 = turn_onto(h3, self.across[0], second.back(first.back(across3)));
-                    if self.ranges[2].holds(q3) {
+                    let third = Turn::onto(h3, self.across[0], second.back(first.back(across3)));
+                    if self.ranges[2].holds(&third) {
+                        let [q1, q2, q3, q4, q5, q6] = [first, second, third, fourth, fifth, sixth].map(|turn| turn.angle());
                         each([q1, q2, q3, q4, q5, q6, swept.value]);
                     }
                 }

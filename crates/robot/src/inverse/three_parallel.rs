@@ -63,11 +63,11 @@ impl ThreeParallel {
         let along = h2.dot(p12 + p23 + p34 + p45);
         // h₂ · rot(h₁, −q₁) wrist = along
         let Some(firsts) = TurnToHeight::new(h2, -h1, wrist).to(along) else { return found };
-        for q1 in firsts {
+        for q1 in firsts.map(|turn| turn.angle()) {
             let back1 = Mat3::from_axis_angle(h1, -q1);
             let rest = back1 * turned;
             let Some(fifths) = TurnToHeight::new(h2, h5, h6).to(h2.dot(rest * h6)) else { continue };
-            for q5 in fifths {
+            for q5 in fifths.map(|turn| turn.angle()) {
                 let r5 = Mat3::from_axis_angle(h5, q5);
                 let seen = r5.transpose() * h2;
                 let q6 = turn_onto(-h6, seen, rest.transpose() * h2);
@@ -78,7 +78,7 @@ impl ThreeParallel {
                 let reach = back1 * wrist - p12 - r234 * p45;
                 let wanted = (reach.length_squared() - p23.length_squared() - p34.length_squared()) / 2.0;
                 let Some(elbows) = TurnToHeight::new(p23, h2, p34).to(wanted) else { continue };
-                for turn3 in elbows {
+                for turn3 in elbows.map(|turn| turn.angle()) {
                     let bent = p23 + Mat3::from_axis_angle(h2, turn3) * p34;
                     let q2 = turn_onto(h2, bent, reach);
                     let turn4 = sum - q2 - turn3;
