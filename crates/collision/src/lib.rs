@@ -29,7 +29,7 @@ pub use moment::{Close, Held, Lean, Moment};
 pub use obstacle::Obstacle;
 pub use pairs::unchecked_pairs;
 pub use probe::{Probe, Slack};
-pub use query::{Scratch, Touch};
+pub use query::{LinksAt, Scratch, Touch};
 pub use quick::Quick;
 pub use report::Contact;
 pub use world::World;

@@ -33,6 +33,13 @@ pub struct Scratch {
     pub checked: u64,
 }
 
+/// Where the links are at one posture, for many questions about it.
+#[derive(Clone, Debug)]
+pub struct LinksAt {
+    frames: Vec<Pose>,
+    centres: Vec<Vec3>,
+}
+
 /// Links may come this close to each other, metres.
 pub(crate) const SELF_MARGIN: f64 = 0.002;
 
@@ -73,10 +80,16 @@ impl World {
         if self.meets_itself(frames, centres, directions) { Touch::Fixed } else { Touch::Objects(touched) }
     }
 
+    /// Where the links are at a posture of the arm and a value of the hand's joint.
+    pub fn links_at(&self, posture: &[f64], hand: f64) -> LinksAt {
+        let mut scratch = Scratch::default();
+        self.place_links(posture, hand, &mut scratch);
+        LinksAt { frames: scratch.frames, centres: scratch.centres }
+    }
+
     /// Whether the moving links, or what is held, come closer to one obstacle than the moment's margins.
-    pub fn meets(&self, posture: &[f64], moment: &Moment, obstacle: &Obstacle, scratch: &mut Scratch) -> bool {
-        self.place_links(posture, moment.hand, scratch);
-        let Scratch { frames, centres, directions, .. } = scratch;
+    pub fn meets(&self, at: &LinksAt, moment: &Moment, obstacle: &Obstacle, scratch: &mut Scratch) -> bool {
+        let (LinksAt { frames, centres }, directions) = (at, &mut scratch.directions);
         self.moving(frames, centres).any(|(link, frame, centre)| link_near(link, frame, centre, obstacle, moment.margin, directions))
             || moment.held.as_ref().is_some_and(|held| {
                 let root_from_object = frames[self.model.kinematics.tool] * held.tool_from_object;

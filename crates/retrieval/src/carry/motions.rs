@@ -99,7 +99,12 @@ impl<R: Rng> Carrier<'_, R> {
                 return Ok(Ok(timed));
             }
         }
-        let blamed = resting.path_touched(&timed.positions).unwrap_or_default();
+        // What is grazed between shows only when looked at finely, which takes long.
+        let mut coarse = Space::quick(self.world, &lenient, self.settings.step);
+        let blamed = match coarse.path_touched(&timed.positions) {
+            Some(touched) if touched.is_empty() => resting.path_touched(&timed.positions).unwrap_or_default(),
+            touched => touched.unwrap_or_default(),
+        };
         obstructed(what, blamed)
     }
 

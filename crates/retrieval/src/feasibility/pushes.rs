@@ -8,9 +8,9 @@ use crate::grasps::Grasp;
 use crate::push::course::Course;
 use crate::push::{Contact, Upright};
 use crate::ways::{self, Explorer, Way};
-use clearway_collision::{Moment, Obstacle, World};
+use clearway_collision::{LinksAt, Moment, Obstacle, World};
 use clearway_geometry::{Pose, Vec3};
-use clearway_motion::{Posture, distance};
+use clearway_motion::distance;
 use clearway_plan::robot_file::HandKind;
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 use clearway_scene::Support;
@@ -75,7 +75,7 @@ struct End {
 /// One way of an object to be taken later.
 struct Later {
     moment: Moment,
-    postures: Vec<Posture>,
+    arm: Vec<LinksAt>,
 }
 
 impl Feasibility {
@@ -172,9 +172,9 @@ impl Feasibility {
             let free = self.free_ways_from(stop, other, &gone, self.pushing.later_ways, budget)?;
             let Stand { world, ways, .. } = &self.stands[stop];
             let Some(known) = &ways[other.index()] else { return Ok(Vec::new()) };
-            let later = |way: &Way| Later {
-                moment: ways::moment(world, &self.settings, other, &known.grasps[way.grasp]),
-                postures: way.postures.clone(),
+            let later = |way: &Way| {
+                let moment = ways::moment(world, &self.settings, other, &known.grasps[way.grasp]);
+                Later { arm: way.postures.iter().map(|q| world.links_at(q, moment.hand)).collect(), moment }
             };
             all.push(free.iter().map(|taking| later(&known.ways[taking.way])).collect());
             gone.insert(other);
@@ -204,7 +204,7 @@ impl Feasibility {
         let course = Course { world, scene, object, standing, placed: &placed, room };
         let (mut ends, mut reason) = (Vec::new(), NoPush::NoSide);
         let mut in_the_way = |there: &Arc<Obstacle>| {
-            let mut free = |way: &Later| !way.postures.iter().any(|q| world.meets(q, &way.moment, there, scratch));
+            let mut free = |way: &Later| !way.arm.iter().any(|at| world.meets(at, &way.moment, there, scratch));
             !later.iter().all(|ways| ways.iter().any(&mut free))
         };
         let mut reaches = Reaches { world, object, upright, limit: pushing.tipping * tips_at, aside: pushing.margin_of_error, known: Vec::new() };
