@@ -54,7 +54,8 @@ pub struct PlanArgs {
     /// Rounds of the planner before giving up; makes runs repeatable on any machine.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub iterations: Option<u64>,
-    /// Threads to use at most; the plan does not depend on it. One is used at present.
+    /// Threads to use at most. The plan is verified on all of them, planning itself takes one; what comes of it does
+    /// not depend on them. Default: all cores.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub threads: Option<u32>,
     /// Seconds to spend on fewer removals, then shorter motion, once a plan is found.

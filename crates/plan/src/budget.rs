@@ -1,4 +1,4 @@
-//! How much may be spent: a deadline, a cap on iterations, a flag that cancels.
+//! How much may be spent: a deadline, a cap on iterations, threads; and a flag that cancels.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -19,6 +19,8 @@ pub struct Budget {
     iterations: Option<u64>,
     spent: Arc<AtomicU64>,
     cancelled: Arc<AtomicBool>,
+    /// Besides the first.
+    more_threads: usize,
 }
 
 impl Budget {
@@ -44,6 +46,17 @@ impl Budget {
     pub fn with_cancel(mut self, flag: Arc<AtomicBool>) -> Self {
         self.cancelled = flag;
         self
+    }
+
+    /// So many threads may be used at once; without this, one.
+    #[must_use]
+    pub fn with_threads(mut self, threads: usize) -> Self {
+        self.more_threads = threads.saturating_sub(1);
+        self
+    }
+
+    pub fn threads(&self) -> usize {
+        self.more_threads + 1
     }
 
     /// The same flag and iterations, but all the time in the world.

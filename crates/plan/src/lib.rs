@@ -11,6 +11,7 @@ pub mod motion_answer;
 pub mod motion_file;
 mod number_or;
 pub mod object_set;
+pub mod parallel;
 pub mod plan_file;
 pub mod proof;
 pub mod push;

@@ -9,14 +9,12 @@ use crate::noise;
 use crate::outcome::Outcome;
 use crate::run::{Course, Player};
 use crate::settings::{Noise, Settings};
-use clearway_plan::{Budget, PlanFile};
+use clearway_plan::{Budget, PlanFile, parallel};
 use clearway_verify::played::Played;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::Serialize;
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A plan played many times.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -62,7 +60,6 @@ pub fn trials(
     settings: &Settings,
     noise: &Noise,
     (count, seed): (usize, u64),
-    threads: usize,
     budget: &Budget,
 ) -> Result<Trials, CannotSimulate> {
     settings.validate().and_then(|()| noise.validate()).map_err(CannotSimulate::Settings)?;
@@ -79,34 +76,7 @@ pub fn trials(
         let drawn = noise::draw(&played, &course.carriers, &objects, noise, &mut random);
         Player::new(plan, &played, &course, &drawn, settings, budget)?.play()
     };
-    let next = AtomicUsize::new(0);
-    let results: Vec<Mutex<Option<Result<Outcome, CannotSimulate>>>> = (0..count).map(|_| Mutex::new(None)).collect();
-    std::thread::scope(|scope| {
-        for _ in 0..threads.clamp(1, count) {
-            scope.spawn(|| {
-                loop {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(place) = results.get(index) else { break };
-                    let result = one(index);
-                    let stop = result.is_err();
-                    if let Ok(mut place) = place.lock() {
-                        *place = Some(result);
-                    }
-                    if stop {
-                        break;
-                    }
-                }
-            });
-        }
-    });
-    let mut trials = Vec::with_capacity(count);
-    for (index, result) in results.into_iter().enumerate() {
-        // A trial is missing only where an error ended its thread, and then an earlier one has the error or a later.
-        match result.into_inner().ok().flatten() {
-            Some(result) => trials.push(Trial { index, outcome: result? }),
-            None => budget.check()?,
-        }
-    }
+    let trials = parallel::each(budget.threads(), 0..count, |index| one(index).map(|outcome| Trial { index, outcome }))?;
     Ok(Trials {
         as_planned: trials.iter().filter(|t| t.outcome.as_planned).count(),
         touched: trials.iter().filter(|t| t.outcome.touched).count(),

@@ -55,7 +55,7 @@ fn trials_are_the_same_whatever_the_threads() {
     let plan = pick(Vec::new());
     let noise = Noise { position: 0.002, friction: 0.2, radius: 0.001 };
     let run = |seed, threads| {
-        trials(&plan, "".as_ref(), &Settings::default(), &noise, (3, seed), threads, &Budget::unlimited())
+        trials(&plan, "".as_ref(), &Settings::default(), &noise, (3, seed), &Budget::unlimited().with_threads(threads))
             .expect("trials")
     };
     let (one, two) = (run(5, 1), run(5, 2));
@@ -70,7 +70,7 @@ fn what_makes_no_sense_is_refused() {
     let plan = pick(Vec::new());
     let budget = Budget::unlimited();
     let refused = |noise: Noise, count: usize| {
-        trials(&plan, "".as_ref(), &Settings::default(), &noise, (count, 1), 1, &budget)
+        trials(&plan, "".as_ref(), &Settings::default(), &noise, (count, 1), &budget)
             .expect_err("refused")
             .to_string()
     };

@@ -17,11 +17,11 @@ use crate::error::CannotJudge;
 use crate::gap::Gap;
 use crate::report::{Place, Report, ViolationKind};
 use crate::shapes::body_gap;
-use crate::sweep::{self, Pair, Seek, Sweep, When};
+use crate::sweep::{self, Pair, Seek, When};
 use crate::watch::{Owner, Watch};
 use clearway_plan::clearance::{Clearance, Least};
 use clearway_plan::plan_file::SegmentKind;
-use clearway_plan::{Budget, PlanFile};
+use clearway_plan::PlanFile;
 use parry3d_f64::math::{Pose, Vector};
 
 /// Larger distances are not looked for, unless the scene asks for more.
@@ -30,60 +30,54 @@ const UP_TO: f64 = 0.05;
 const TOLERANCE: f64 = 1e-4;
 /// Within this of where it stood or is put, an object may be near what carries it.
 const NEAR_REST: f64 = 0.03;
-/// Rows between first looks.
-const SAMPLE: usize = 24;
 /// So much more than measured may be claimed.
 const CLAIM: f64 = 2e-4;
 
-/// Measures, judges, and leaves the measure in the report. A stage and a watch for each track.
-pub(crate) fn check(
-    plan: &PlanFile,
-    case: &Case,
-    tracks: &[Track],
-    stages: &[Stage],
-    watches: &[Watch],
-    budget: &Budget,
-    report: &mut Report,
-) -> Result<(), CannotJudge> {
+/// What the scene asks for, metres.
+pub(crate) fn asked(plan: &PlanFile) -> Result<f64, CannotJudge> {
     let asked = plan.scene.clearance.unwrap_or(0.0);
     if !asked.is_finite() || asked < 0.0 {
         let what = format!("{asked} m; expected a length, or 0");
         return Err(CannotJudge::Scene { place: "clearance".to_owned(), what });
     }
-    let up_to = asked.max(UP_TO);
-    let mut nearest = Nearest { distance: up_to, least: None };
-    // The least room is mostly where objects are taken and put: found first, it makes short work of the rest.
-    let mut order: Vec<usize> = (0..tracks.len()).collect();
-    order.sort_by_key(|i| tracks[*i].segment.kind == SegmentKind::Transit);
+    Ok(asked)
+}
+
+/// What a segment's sweep is to look for.
+pub(crate) fn seek<'a, 'p>(case: &Case, track: &Track, stage: &Stage, watch: &'p Watch<'a>, asked: f64) -> Search<'a, 'p> {
+    let rooms = watch.subjects.iter().map(|subject| room(case, track, stage, *subject, asked)).collect();
+    Search { pairs: &watch.pairs, rooms, best: asked.max(UP_TO), found: None, limited: Vec::new() }
+}
+
+/// Judges what was found, and leaves the measure in the report. A watch and a search for each track.
+pub(crate) fn tell(
+    plan: &PlanFile,
+    case: &Case,
+    (tracks, watches): (&[Track], &[Watch]),
+    searches: &[&Search],
+    asked: f64,
+    report: &mut Report,
+) {
+    let mut nearest: Option<(Least, Place)> = None;
     let mut limited: Vec<(Place, String)> = Vec::new();
-    for i in order {
-        let (track, watch) = (&tracks[i], &watches[i]);
-        let rooms: Vec<Option<Room>> =
-            watch.subjects.iter().map(|subject| room(case, track, &stages[i], *subject, asked)).collect();
-        let pairs: Vec<Pair> = watch.pairs.iter().filter(|p| rooms[p.subject].is_some()).cloned().collect();
-        let mut sweep = Sweep::new(case, track, &watch.movers);
-        let before = nearest.distance;
-        let mut search = Search { pairs: &pairs, rooms: &rooms, best: before, found: None, limited: Vec::new() };
-        sweep.sample(&pairs, SAMPLE, &mut search, budget)?;
-        sweep.run(&pairs, &mut search, budget)?;
-        report.checked.distances += sweep.distances;
-        let Search { best, found, limited: nearer, .. } = search;
-        if let Some((subject, gap, when)) = found {
+    for ((track, watch), search) in tracks.iter().zip(watches).zip(searches) {
+        let nearer = |distance: f64| nearest.as_ref().is_none_or(|(least, _)| distance < least.distance);
+        if let Some((subject, gap, when)) = search.found.filter(|(_, gap, _)| nearer(gap.distance)) {
             let (first, second) = watch.subjects[subject];
             let place = track.when(when);
             let least = Least {
-                distance: best,
+                distance: gap.distance,
                 step: track.step,
                 segment: track.index,
                 time: place.time,
                 between: [first.says(case), second.says(case)],
                 at: gap.point.to_array(),
             };
-            nearest = Nearest { distance: best, least: Some((least, place)) };
+            nearest = Some((least, place));
         }
-        for (subject, gap, when) in nearer {
-            let (first, second) = watch.subjects[subject];
-            let keep = rooms[subject].as_ref().and_then(|r| r.keep).unwrap_or(asked);
+        for (subject, gap, when) in &search.limited {
+            let (first, second) = watch.subjects[*subject];
+            let keep = search.rooms[*subject].as_ref().and_then(|r| r.keep).unwrap_or(asked);
             let what = format!(
                 "{} comes within {:.2} mm of {} at {}; where it is taken or put they are {:.2} mm apart",
                 first.says(case),
@@ -92,10 +86,10 @@ pub(crate) fn check(
                 sweep::point(gap.point),
                 keep * 1e3
             );
-            limited.push((track.when(when), what));
+            limited.push((track.when(*when), what));
         }
     }
-    if let Some((least, place)) = &nearest.least
+    if let Some((least, place)) = &nearest
         && asked > 0.0
         && least.distance < asked - TOLERANCE
     {
@@ -112,10 +106,9 @@ pub(crate) fn check(
     for (place, what) in limited {
         report.at(ViolationKind::Clearance, place, what);
     }
-    let measured = Clearance { asked, least: nearest.least.map(|(least, _)| least), up_to };
+    let measured = Clearance { asked, least: nearest.map(|(least, _)| least), up_to: asked.max(UP_TO) };
     check_claim(plan, &measured, report);
     report.clearance = Some(measured);
-    Ok(())
 }
 
 /// A plan may not claim more than there is.
@@ -134,12 +127,6 @@ fn check_claim(plan: &PlanFile, measured: &Clearance, report: &mut Report) {
             format!("clearance.asked is {claimed:.2} mm; the scene asks for {asked:.2} mm"),
         );
     }
-}
-
-/// The least so far.
-struct Nearest {
-    distance: f64,
-    least: Option<(Least, Place)>,
 }
 
 /// What is asked of a pair.
@@ -204,12 +191,12 @@ fn object_room(
     Some(room)
 }
 
-/// Along one segment.
-struct Search<'a, 'p> {
+/// The least room along one segment, looked for.
+pub(crate) struct Search<'a, 'p> {
     pairs: &'p [Pair<'a>],
     /// By subject.
-    rooms: &'p [Option<Room>],
-    /// The least distance so far, over the plan.
+    rooms: Vec<Option<Room>>,
+    /// The least distance so far.
     best: f64,
     /// Where it is, by subject, if in this segment.
     found: Option<(usize, Gap, When)>,
@@ -218,6 +205,16 @@ struct Search<'a, 'p> {
 }
 
 impl Search<'_, '_> {
+    /// The least distance known.
+    pub fn best(&self) -> f64 {
+        self.best
+    }
+
+    /// Only what is nearer than this matters from here on.
+    pub fn nearer_than(&mut self, best: f64) {
+        self.best = self.best.min(best);
+    }
+
     fn keep(&self, pair: usize) -> Option<f64> {
         self.rooms[self.pairs[pair].subject].as_ref()?.keep
     }
@@ -225,7 +222,10 @@ impl Search<'_, '_> {
 
 impl Seek for Search<'_, '_> {
     fn below(&self, pair: usize) -> f64 {
-        self.keep(pair).map_or(self.best - TOLERANCE, |keep| keep - 0.5 * TOLERANCE)
+        match &self.rooms[self.pairs[pair].subject] {
+            None => f64::NEG_INFINITY,
+            Some(room) => room.keep.map_or(self.best - TOLERANCE, |keep| keep - 0.5 * TOLERANCE),
+        }
     }
 
     fn met(&mut self, pair: usize, gap: Gap, when: When, owner: &Pose) {

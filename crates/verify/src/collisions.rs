@@ -6,36 +6,27 @@
 
 use crate::carry::Stage;
 use crate::case::{Case, Track};
-use crate::error::CannotJudge;
 use crate::report::{Report, ViolationKind};
 use crate::rest::{REST, TOUCH};
-use crate::sweep::touch::{Forgiven, Touch, touches};
-use crate::sweep::{self, Sweep};
+use crate::sweep;
+use crate::sweep::touch::{Forgiven, Touch, Touches};
 use crate::watch::{Owner, Watch};
-use clearway_plan::Budget;
 
 /// Metres from where it stood within which overlap with a carrier is forgiven.
 const NEAR_REST: f64 = 5e-3;
 
-pub(crate) fn check(
-    case: &Case,
-    track: &Track,
-    stage: &Stage,
-    watch: &Watch,
-    budget: &Budget,
-    report: &mut Report,
-) -> Result<(), CannotJudge> {
-    let forgiven: Vec<_> =
-        watch.subjects.iter().map(|(first, second)| forgiven(case, stage, *first, *second)).collect();
-    let mut sweep = Sweep::new(case, track, &watch.movers);
-    let touches = touches(&mut sweep, &watch.pairs, &forgiven, budget)?;
-    report.checked.pairs += watch.pairs.len();
-    report.checked.distances += sweep.distances;
+/// What a segment's sweep is to look for.
+pub(crate) fn seek<'a, 'p>(case: &Case, stage: &Stage, watch: &'p Watch<'a>) -> Touches<'a, 'p> {
+    let forgiven = watch.subjects.iter().map(|(first, second)| forgiven(case, stage, *first, *second));
+    Touches::new(&watch.pairs, forgiven.collect())
+}
+
+/// What it found.
+pub(crate) fn tell(case: &Case, track: &Track, watch: &Watch, touches: &[Touch], report: &mut Report) {
     for touch in touches {
-        let (kind, what) = describe(case, watch.subjects[touch.subject], &touch);
+        let (kind, what) = describe(case, watch.subjects[touch.subject], touch);
         report.at(kind, track.when(touch.when), what);
     }
-    Ok(())
 }
 
 fn forgiven(case: &Case, stage: &Stage, first: Owner, second: Owner) -> Option<Forgiven> {

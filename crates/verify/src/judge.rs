@@ -5,7 +5,7 @@ use crate::error::CannotJudge;
 use crate::report::{Report, ViolationKind};
 use crate::watch::Watch;
 use crate::{
-    carry, clearance, collisions, gripper, jerk, limits, lower_bound, names, region, rows, sight, steps, unchecked,
+    carry, gripper, jerk, limits, lower_bound, names, passes, region, rows, sight, steps, unchecked,
 };
 use clearway_plan::plan_file::{FORMAT, Status};
 use clearway_plan::{Budget, PlanFile};
@@ -63,9 +63,6 @@ pub(crate) fn judge(
     let stages = carry::stages(plan, &case, &names, &tracks, &objects, budget, &mut report)?;
     sight::check(plan, &case, &tracks, &stages, budget, &mut report)?;
     let watches: Vec<Watch> = stages.iter().map(|stage| Watch::new(&case, &names, stage)).collect();
-    for ((track, stage), watch) in tracks.iter().zip(&stages).zip(&watches) {
-        collisions::check(&case, track, stage, watch, budget, &mut report)?;
-    }
-    clearance::check(plan, &case, &tracks, &stages, &watches, budget, &mut report)?;
+    passes::check(plan, &case, &tracks, &stages, &watches, budget, &mut report)?;
     Ok(report)
 }

@@ -35,6 +35,7 @@ mod lower_bound;
 mod meshes;
 mod model;
 mod names;
+mod passes;
 mod placement;
 pub mod played;
 mod push;

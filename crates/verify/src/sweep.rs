@@ -67,7 +67,7 @@ pub(crate) struct When {
 
 /// What is looked for. Pairs go by their number.
 pub(crate) trait Seek {
-    /// The pair matters where it is nearer than this, metres.
+    /// The pair matters where it is nearer than this, metres; −∞: nowhere.
     fn below(&self, pair: usize) -> f64;
     /// An exact distance; `owner` is that of the first shape, in the world.
     fn met(&mut self, pair: usize, gap: Gap, when: When, owner: &Pose);
@@ -77,12 +77,10 @@ pub(crate) trait Seek {
     fn counts(&self, pair: usize, owner: &Pose) -> bool;
 }
 
-struct Lease {
-    /// Joints of each side that move it against the other.
+/// How many joints above each of a pair, counted from its end, move it against the other.
+struct Between {
     first_joints: usize,
     second_joints: usize,
-    /// No touch until the travels sum to this.
-    meets: f64,
 }
 
 /// What a look at a pair came to.
@@ -100,7 +98,8 @@ pub(crate) struct Sweep<'a> {
     movers: &'a [Mover<'a>],
     /// By mover: joints above it, nearest first.
     chains: Vec<Vec<usize>>,
-    at_rows: HashMap<usize, Vec<Pose>>,
+    /// By row, empty while not asked for.
+    at_rows: Vec<Vec<Pose>>,
     /// Within one interval, by the bits of the fraction.
     between: HashMap<u64, Vec<Pose>>,
     pub distances: usize,
@@ -113,17 +112,27 @@ impl<'a> Sweep<'a> {
             Motion::Slide(_) => vec![PUSH],
         };
         let chains = movers.iter().map(chain).collect();
-        Self { case, track, movers, chains, at_rows: HashMap::new(), between: HashMap::new(), distances: 0 }
+        let at_rows = vec![Vec::new(); track.postures.len()];
+        Self { case, track, movers, chains, at_rows, between: HashMap::new(), distances: 0 }
     }
 
-    /// From the first row to the last.
-    pub fn run(&mut self, pairs: &[Pair<'a>], seek: &mut impl Seek, budget: &Budget) -> Result<(), CannotJudge> {
-        let mut leases: Vec<Lease> = Vec::with_capacity(pairs.len());
+    /// From the first row to the last, for all that is looked for.
+    pub fn run(
+        &mut self,
+        pairs: &[Pair<'a>],
+        seeks: &mut [&mut dyn Seek],
+        budget: &Budget,
+    ) -> Result<(), CannotJudge> {
+        let joints: Vec<Between> = pairs.iter().map(|pair| self.joints_between(pair)).collect();
+        // By pair, for each that looks: nothing happens until the travels sum to this.
+        let mut leases: Vec<f64> = Vec::with_capacity(pairs.len() * seeks.len());
         for (index, pair) in pairs.iter().enumerate() {
             budget.check()?;
-            let (first_joints, second_joints) = self.joints_between(pair);
-            let look = self.look(pair, index, When { row: 0, fraction: 0.0 }, LOOK_AHEAD, seek);
-            leases.push(Lease { first_joints, second_joints, meets: look.gap.distance });
+            for seek in seeks.iter_mut() {
+                let matters = seek.below(index) > f64::NEG_INFINITY;
+                let mut look = || self.look(pair, index, When { row: 0, fraction: 0.0 }, LOOK_AHEAD, *seek).gap.distance;
+                leases.push(if matters { look() } else { f64::INFINITY });
+            }
         }
         // By mover and number of joints, how far it has travelled against the link above those.
         let mut travelled: Vec<Vec<f64>> = self.chains.iter().map(|c| vec![0.0; c.len() + 1]).collect();
@@ -132,22 +141,26 @@ impl<'a> Sweep<'a> {
             budget.check()?;
             self.between.clear();
             self.bound_travel(row, &mut travel);
-            for (index, (pair, lease)) in pairs.iter().zip(&mut leases).enumerate() {
+            for (index, ((pair, joints), leases)) in pairs.iter().zip(&joints).zip(leases.chunks_mut(seeks.len())).enumerate() {
                 let sum = |by_mover: &[Vec<f64>]| {
                     let second = match pair.second {
                         Other::Still { .. } => 0.0,
-                        Other::Mover(m) => by_mover[m][lease.second_joints],
+                        Other::Mover(m) => by_mover[m][joints.second_joints],
                     };
-                    by_mover[pair.first][lease.first_joints] + second
+                    by_mover[pair.first][joints.first_joints] + second
                 };
                 let (before, length) = (sum(&travelled), sum(&travel));
-                if before + length > lease.meets - seek.below(index) {
-                    lease.meets = self.renew((index, pair), row, before, length, seek, budget)?;
+                for (seek, lease) in seeks.iter_mut().zip(leases) {
+                    if before + length > *lease - seek.below(index) {
+                        *lease = self.renew((index, pair), row, before, length, *seek, budget)?;
+                    }
                 }
             }
             for (total, step) in travelled.iter_mut().flatten().zip(travel.iter().flatten()) {
                 *total += step;
             }
+            // Never asked for again.
+            self.at_rows[row] = Vec::new();
         }
         Ok(())
     }
@@ -157,13 +170,15 @@ impl<'a> Sweep<'a> {
         &mut self,
         pairs: &[Pair<'a>],
         every: usize,
-        seek: &mut impl Seek,
+        seek: &mut dyn Seek,
         budget: &Budget,
     ) -> Result<(), CannotJudge> {
         for row in (0..self.track.postures.len()).step_by(every) {
             budget.check()?;
             for (index, pair) in pairs.iter().enumerate() {
-                self.look(pair, index, When { row, fraction: 0.0 }, 0.0, seek);
+                if seek.below(index) > f64::NEG_INFINITY {
+                    self.look(pair, index, When { row, fraction: 0.0 }, 0.0, seek);
+                }
             }
         }
         Ok(())
@@ -177,7 +192,7 @@ impl<'a> Sweep<'a> {
         row: usize,
         before: f64,
         length: f64,
-        seek: &mut impl Seek,
+        seek: &mut dyn Seek,
         budget: &Budget,
     ) -> Result<f64, CannotJudge> {
         let look = self.look(pair, index, When { row, fraction: 0.0 }, length + LOOK_AHEAD, seek);
@@ -200,7 +215,7 @@ impl<'a> Sweep<'a> {
         row: usize,
         (low, high): (f64, f64),
         length: f64,
-        seek: &mut impl Seek,
+        seek: &mut dyn Seek,
         budget: &Budget,
     ) -> Result<(), CannotJudge> {
         budget.check()?;
@@ -215,7 +230,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// Measures, if the pair may be within `reach` of mattering, and tells.
-    fn look(&mut self, pair: &Pair<'a>, index: usize, when: When, reach: f64, seek: &mut impl Seek) -> Look {
+    fn look(&mut self, pair: &Pair<'a>, index: usize, when: When, reach: f64, seek: &mut dyn Seek) -> Look {
         let look = self.measure(pair, when, reach + seek.below(index).max(0.0) + FINE);
         if look.exact {
             seek.met(index, look.gap, when, &look.owner);
@@ -275,7 +290,11 @@ impl<'a> Sweep<'a> {
     fn poses(&mut self, When { row, fraction }: When) -> &[Pose] {
         let (case, track) = (self.case, self.track);
         if fraction == 0.0 {
-            return self.at_rows.entry(row).or_insert_with(|| case.link_poses(&track.postures[row]));
+            let poses = &mut self.at_rows[row];
+            if poses.is_empty() {
+                *poses = case.link_poses(&track.postures[row]);
+            }
+            return poses;
         }
         self.between.entry(fraction.to_bits()).or_insert_with(|| {
             let ends = track.postures[row].iter().zip(&track.postures[row + 1]);
@@ -321,17 +340,17 @@ impl<'a> Sweep<'a> {
         self.chains = chains;
     }
 
-    /// How many joints above each side, counted from its end, move it against the other.
-    fn joints_between(&self, pair: &Pair<'a>) -> (usize, usize) {
+    fn joints_between(&self, pair: &Pair<'a>) -> Between {
         let first = &self.chains[pair.first];
-        match pair.second {
+        let (first_joints, second_joints) = match pair.second {
             Other::Still { .. } => (first.len(), 0),
             Other::Mover(m) => {
                 let second = &self.chains[m];
                 let shared = first.iter().rev().zip(second.iter().rev()).take_while(|(a, b)| a == b).count();
                 (first.len() - shared, second.len() - shared)
             }
-        }
+        };
+        Between { first_joints, second_joints }
     }
 }
 

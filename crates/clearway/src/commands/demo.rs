@@ -4,8 +4,7 @@ use super::output;
 use super::plan::finish;
 use super::summary::Progress;
 use crate::exit::{Exit, Failure};
-use crate::interrupt;
-use clearway::{Budget, Planner, Request, Robot, Scene, Settings};
+use clearway::{Planner, Request, Robot, Scene, Settings};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,7 +18,7 @@ pub fn run() -> Result<Exit, Failure> {
     let scene = Scene::from_text(Path::new("examples/shelf.yaml"), SCENE)?;
     let robot = Arc::new(Robot::load(&scene.file.robot.model, here, &[])?);
     let mut planner = Planner::new(scene, robot, Settings::default()).map_err(|u| Failure::internal(format!("the demo scene: {u:?}")))?;
-    let request = Request::new(1, Budget::unlimited().with_cancel(interrupt::flag()).with_time(Duration::from_secs(60)));
+    let request = Request::new(1, super::budget(None).with_time(Duration::from_secs(60)));
     let mut progress = Progress::new(true);
     let outcome = clearway::solve(&mut planner, &request, here, &mut progress);
     progress.clear();

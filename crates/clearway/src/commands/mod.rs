@@ -21,7 +21,15 @@ mod symbolic;
 pub mod verify;
 pub mod view;
 
+use crate::interrupt;
+use clearway::Budget;
 use std::path::{Path, PathBuf};
+
+/// Nothing ends it but an interrupt; on so many threads, or on all cores.
+fn budget(threads: Option<u32>) -> Budget {
+    let threads = threads.map_or_else(|| std::thread::available_parallelism().map_or(1, usize::from), |n| n as usize);
+    Budget::unlimited().with_cancel(interrupt::flag()).with_threads(threads)
+}
 
 /// The directory of a file to be written or read, for paths relative to it.
 fn directory_of(path: &Path) -> PathBuf {

@@ -1,14 +1,13 @@
 //! `clearway plan`: the main job.
 
-use super::directory_of;
+use super::{budget, directory_of};
 use super::output::{self, print, tell, write_page, write_plan};
 use super::summary::{self, Progress};
 use super::symbolic;
 use crate::cli::{First, LookKind, PlanArgs, SearchKind};
 use crate::exit::{Exit, Failure};
-use crate::interrupt;
 use clearway::pddl::Handling;
-use clearway::{Budget, CollisionModel, FileError, LookRule, FirstLimit, Outcome, Planner, Pushes, Request, Search, Settings, Stop, Unfit};
+use clearway::{CollisionModel, FileError, LookRule, FirstLimit, Outcome, Planner, Pushes, Request, Search, Settings, Stop, Unfit};
 use clearway_files::{Limits, yaml};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,7 +19,7 @@ const TIME_LIMIT: f64 = 60.0;
 pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
     output::check(args.output.as_deref().into_iter().chain(args.html.as_deref()), &[&args.scene])?;
     let (scene, robot) = clearway::open(&args.scene, &args.package)?;
-    let mut budget = Budget::unlimited().with_cancel(interrupt::flag());
+    let mut budget = budget(args.threads);
     if let Some(iterations) = args.iterations {
         budget = budget.with_iterations(iterations);
     }

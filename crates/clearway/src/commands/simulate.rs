@@ -1,12 +1,11 @@
 //! `clearway simulate`: plays a plan file in a physics engine, once, or many times with noise.
 
-use super::directory_of;
+use super::{budget, directory_of};
 use super::output::print;
 use crate::cli::SimulateArgs;
 use crate::exit::{Exit, Failure};
-use crate::interrupt;
 use clearway::simulate::{CannotSimulate, Noise, Settings, simulate, trials};
-use clearway::{Budget, Stop};
+use clearway::Stop;
 use serde::Serialize;
 use std::fmt::Display;
 
@@ -21,7 +20,7 @@ pub fn run(args: &SimulateArgs) -> Result<Exit, Failure> {
     settings.validate().and_then(|()| noise.validate()).map_err(Failure::bad_input)?;
     let plan = clearway::read_plan(&args.plan)?;
     let directory = directory_of(&args.plan);
-    let budget = Budget::unlimited().with_cancel(interrupt::flag());
+    let budget = budget(args.threads);
     let failed = |error| match error {
         CannotSimulate::Stopped(Stop::Cancelled) => Failure { exit: Exit::Interrupted, message: "interrupted".to_owned() },
         other => Failure::bad_input(format!("{}: {other}", args.plan.display())),
@@ -30,10 +29,8 @@ pub fn run(args: &SimulateArgs) -> Result<Exit, Failure> {
         let outcome = simulate(&plan, &directory, &settings, &budget).map_err(failed)?;
         return tell(args.json, &outcome, outcome.as_planned);
     }
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = args.threads.map_or(cores, |n| n as usize);
     let drawn = (args.trials.unwrap_or(1), args.seed);
-    let report = trials(&plan, &directory, &settings, &noise, drawn, threads, &budget).map_err(failed)?;
+    let report = trials(&plan, &directory, &settings, &noise, drawn, &budget).map_err(failed)?;
     tell(args.json, &report, report.as_planned == report.trials.len())
 }
 

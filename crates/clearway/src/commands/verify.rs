@@ -1,15 +1,14 @@
 //! `clearway verify`: judges a plan file.
 
+use super::budget;
 use super::output::print;
 use crate::cli::VerifyArgs;
 use crate::exit::{Exit, Failure};
-use crate::interrupt;
-use clearway::{Budget, Stop};
+use clearway::Stop;
 use clearway_verify::CannotJudge;
 
 pub fn run(args: &VerifyArgs) -> Result<Exit, Failure> {
-    let budget = Budget::unlimited().with_cancel(interrupt::flag());
-    let report = clearway::verify_file(&args.plan, &budget).map_err(|error| match error {
+    let report = clearway::verify_file(&args.plan, &budget(None)).map_err(|error| match error {
         CannotJudge::Stopped(Stop::Cancelled) => Failure { exit: Exit::Interrupted, message: "interrupted".to_owned() },
         CannotJudge::File(error) => error.into(),
         other => Failure::bad_input(format!("{}: {other}", args.plan.display())),

@@ -1,6 +1,6 @@
 //! The bound on travel is a bound; and the sweep agrees with brute force.
 
-use super::touch::touches;
+use super::touch::Touches;
 use super::*;
 use crate::meshes::Meshes;
 use crate::shapes::{cuboid, sphere};
@@ -111,7 +111,9 @@ fn agrees_with_brute_force() {
             Pair { first: 0, second: Other::Mover(1), subject: 1 },
         ];
         let mut sweep = Sweep::new(&case, &track, &movers);
-        let found = touches(&mut sweep, &pairs, &[None, None], &Budget::unlimited()).expect("within budget");
+        let mut touches = Touches::new(&pairs, vec![None, None]);
+        sweep.run(&pairs, &mut [&mut touches], &Budget::unlimited()).expect("within budget");
+        let found = touches.deepest(&mut sweep);
         for pair in &pairs {
             let mut probe = Sweep::new(&case, &track, &movers);
             let mut deepest = f64::NEG_INFINITY;

@@ -2,10 +2,8 @@
 //! that overlaps by less than 0.1 mm is reported.
 
 use super::{LOOK_AHEAD, Pair, Seek, Sweep, When};
-use crate::error::CannotJudge;
 use crate::gap::Gap;
 use crate::rest::TOUCH;
-use clearway_plan::Budget;
 use parry3d_f64::math::{Pose, Vector};
 use std::collections::BTreeMap;
 
@@ -33,37 +31,38 @@ pub(crate) struct Touch {
     pub enclosed: bool,
 }
 
-/// The deepest touch of every subject that touches, by subject; `forgiven` is by subject, too.
-pub(crate) fn touches<'a>(
-    sweep: &mut Sweep<'a>,
-    pairs: &[Pair<'a>],
-    forgiven: &[Option<Forgiven>],
-    budget: &Budget,
-) -> Result<Vec<Touch>, CannotJudge> {
-    let mut search = Touches { pairs, forgiven, found: vec![None; pairs.len()] };
-    sweep.run(pairs, &mut search, budget)?;
-    let mut deepest: BTreeMap<usize, Touch> = BTreeMap::new();
-    for (pair, found) in pairs.iter().zip(search.found) {
-        let when = When { row: 0, fraction: 0.0 };
-        let enclosed = (found.is_none() && sweep.enclosed(pair)).then(|| {
-            let Gap { distance, point } = sweep.measure(pair, when, LOOK_AHEAD).gap;
-            Touch { subject: pair.subject, when, depth: distance.abs(), point, enclosed: true }
-        });
-        if let Some(touch) = found.or(enclosed) {
-            let entry = deepest.entry(touch.subject).or_insert(touch);
-            if touch.depth > entry.depth {
-                *entry = touch;
-            }
-        }
-    }
-    Ok(deepest.into_values().collect())
-}
-
-struct Touches<'a, 'p> {
+/// Touches along a segment, looked for.
+pub(crate) struct Touches<'a, 'p> {
     pairs: &'p [Pair<'a>],
-    forgiven: &'p [Option<Forgiven>],
+    /// By subject.
+    forgiven: Vec<Option<Forgiven>>,
     /// By pair.
     found: Vec<Option<Touch>>,
+}
+
+impl<'a, 'p> Touches<'a, 'p> {
+    pub fn new(pairs: &'p [Pair<'a>], forgiven: Vec<Option<Forgiven>>) -> Self {
+        Self { pairs, forgiven, found: vec![None; pairs.len()] }
+    }
+
+    /// After the sweep: the deepest touch of every subject that touches, by subject.
+    pub fn deepest(&self, sweep: &mut Sweep<'a>) -> Vec<Touch> {
+        let mut deepest: BTreeMap<usize, Touch> = BTreeMap::new();
+        for (pair, found) in self.pairs.iter().zip(&self.found) {
+            let when = When { row: 0, fraction: 0.0 };
+            let enclosed = (found.is_none() && sweep.enclosed(pair)).then(|| {
+                let Gap { distance, point } = sweep.measure(pair, when, LOOK_AHEAD).gap;
+                Touch { subject: pair.subject, when, depth: distance.abs(), point, enclosed: true }
+            });
+            if let Some(touch) = found.or(enclosed) {
+                let entry = deepest.entry(touch.subject).or_insert(touch);
+                if touch.depth > entry.depth {
+                    *entry = touch;
+                }
+            }
+        }
+        deepest.into_values().collect()
+    }
 }
 
 impl Seek for Touches<'_, '_> {
