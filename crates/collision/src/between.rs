@@ -44,10 +44,16 @@ struct Moved {
     off: f64,
 }
 
-/// A stretch between two postures, and what is not settled there, as bits.
+/// A posture, and the links' frames there.
+struct Place {
+    q: Vec<f64>,
+    frames: Vec<Pose>,
+}
+
+/// A stretch between two places, by their number, and what is not settled there, as bits.
 struct Stretch {
-    from: Vec<f64>,
-    to: Vec<f64>,
+    from: usize,
+    to: usize,
     /// Of which questions, counted in masks.
     group: usize,
     open: u64,
@@ -72,17 +78,17 @@ pub(crate) fn rows_clear<E: Exact>(
     // Only rows beside one at which something is near are placed.
     let lanes = questions.iter().fold(0_u32, |all, (_, lanes)| all | u32::from(*lanes));
     let placed = lanes | lanes << 1 | lanes >> 1;
-    let mut frames: Vec<Vec<Pose>> = Vec::with_capacity(rows.len());
+    let mut places: Vec<Place> = Vec::with_capacity(rows.len());
     for (i, row) in rows.iter().enumerate() {
-        let mut own = Vec::new();
+        let mut frames = Vec::new();
         if placed >> i & 1 == 1 {
             scratch.checked += 1;
-            exact.place(row, &mut own);
+            exact.place(row, &mut frames);
         }
-        frames.push(own);
+        places.push(Place { q: row.clone(), frames });
     }
-    let mut settling = Settling { exact, step, questions, directions: &mut scratch.directions, stretches: Vec::new() };
-    settling.rows(rows, &frames) && settling.stretches(&mut scratch.frames)
+    let mut settling = Settling { exact, step, questions, directions: &mut scratch.directions, places, stretches: Vec::new() };
+    settling.rows() && settling.stretches()
 }
 
 struct Settling<'a, E: Exact> {
@@ -90,29 +96,32 @@ struct Settling<'a, E: Exact> {
     step: f64,
     questions: &'a [(E::Question, u16)],
     directions: &'a mut Directions,
+    /// The rows, then what was looked at in between.
+    places: Vec<Place>,
     stretches: Vec<Stretch>,
 }
 
 impl<E: Exact> Settling<'_, E> {
     /// Looks at the rows themselves; stretches that they do not settle are kept. False when
     /// something is touched.
-    fn rows(&mut self, rows: &[Vec<f64>], frames: &[Vec<Pose>]) -> bool {
-        let last = rows.len() - 1;
+    fn rows(&mut self) -> bool {
+        let last = self.places.len() - 1;
         for (group, questions) in self.questions.chunks(AT_ONCE).enumerate() {
-            let mut open = vec![0_u64; rows.len()];
+            let mut open = vec![0_u64; self.places.len()];
             for (bit, (question, lanes)) in questions.iter().enumerate() {
                 let asked = |i: usize| u32::from(*lanes) >> i & 1 == 1;
                 // A neighbour that is not asked answers for nothing: then all of the way is this row's.
                 let part = |i: usize| if asked(i) { 0.5 } else { 1.0 };
                 let (mut before, mut before_part) = (Moved::default(), 0.0);
-                for i in 0..rows.len() {
+                for i in 0..=last {
                     let active = i < last && (asked(i) || asked(i + 1));
-                    let after = if active { self.moved(question, (&rows[i], &frames[i]), (&rows[i + 1], &frames[i + 1])) } else { Moved::default() };
+                    let after = if active { self.moved(question, &self.places[i], &self.places[i + 1]) } else { Moved::default() };
                     if asked(i) {
                         let after_part = if i < last { part(i + 1) } else { 0.0 };
                         let room = (before.by * before_part + before.off).max(after.by * after_part + after.off);
-                        if self.exact.near(question, &frames[i], room, self.directions) {
-                            if self.exact.near(question, &frames[i], 0.0, self.directions) {
+                        let frames = &self.places[i].frames;
+                        if self.exact.near(question, frames, room, self.directions) {
+                            if self.exact.near(question, frames, 0.0, self.directions) {
                                 return false;
                             }
                             open[i.saturating_sub(1)] |= u64::from(i > 0) << bit;
@@ -123,62 +132,60 @@ impl<E: Exact> Settling<'_, E> {
                 }
             }
             for (i, open) in open.into_iter().enumerate().filter(|(_, open)| *open != 0) {
-                self.stretches.push(Stretch { from: rows[i].clone(), to: rows[i + 1].clone(), group, open });
+                self.stretches.push(Stretch { from: i, to: i + 1, group, open });
             }
         }
         true
     }
 
     /// Halves what is left until all of it is settled; false when something is touched.
-    fn stretches(&mut self, frames: &mut Vec<Pose>) -> bool {
-        let (mut from, mut to) = (Vec::new(), Vec::new());
-        while let Some(Stretch { from: a, to: b, group, open }) = self.stretches.pop() {
-            let middle: Vec<f64> = a.iter().zip(&b).map(|(a, b)| (a + b) / 2.0).collect();
-            self.exact.place(&a, &mut from);
-            self.exact.place(&b, &mut to);
-            self.exact.place(&middle, frames);
-            let (mut left, mut right) = (0_u64, 0_u64);
+    fn stretches(&mut self) -> bool {
+        while let Some(Stretch { from, to, group, open }) = self.stretches.pop() {
+            let (a, b) = (&self.places[from], &self.places[to]);
+            let mut middle = Place { q: a.q.iter().zip(&b.q).map(|(a, b)| (a + b) / 2.0).collect(), frames: Vec::new() };
+            self.exact.place(&middle.q, &mut middle.frames);
+            let mut left = 0_u64;
             for (bit, (question, _)) in self.questions.iter().skip(group * AT_ONCE).take(AT_ONCE).enumerate() {
                 if open >> bit & 1 == 0 {
                     continue;
                 }
-                let before = self.moved(question, (&a, &from), (&middle, frames));
-                let after = self.moved(question, (&middle, frames), (&b, &to));
+                let (before, after) = (self.moved(question, a, &middle), self.moved(question, &middle, b));
                 // Both ends were looked at.
                 if before.by + before.off + after.by + after.off <= self.step {
                     continue;
                 }
-                let near = |room: f64, directions: &mut Directions| self.exact.near(question, frames, room, directions);
+                let near = |room: f64, directions: &mut Directions| self.exact.near(question, &middle.frames, room, directions);
                 let (half, other) = (before.by + before.off, after.by + after.off);
                 if near(half.max(other), self.directions) {
                     if near(0.0, self.directions) {
                         return false;
                     }
                     left |= 1 << bit;
-                    right |= 1 << bit;
                 }
             }
             if left != 0 {
-                self.stretches.push(Stretch { from: a, to: middle.clone(), group, open: left });
-                self.stretches.push(Stretch { from: middle, to: b, group, open: right });
+                let between = self.places.len();
+                self.places.push(middle);
+                self.stretches.push(Stretch { from, to: between, group, open: left });
+                self.stretches.push(Stretch { from: between, to, group, open: left });
             }
         }
         true
     }
 
-    fn moved(&self, question: &E::Question, (a, root_from_a): (&[f64], &[Pose]), (b, root_from_b): (&[f64], &[Pose])) -> Moved {
-        let turned: f64 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
+    fn moved(&self, question: &E::Question, a: &Place, b: &Place) -> Moved {
+        let turned: f64 = a.q.iter().zip(&b.q).map(|(a, b)| (a - b).abs()).sum();
         let mut moved = Moved::default();
         let (first, second) = self.exact.bodies(question);
         for body in std::iter::once(first).chain(second) {
-            let (frame_a, frame_b) = (self.exact.frame(body, root_from_a), self.exact.frame(body, root_from_b));
+            let (frame_a, frame_b) = (self.exact.frame(body, &a.frames), self.exact.frame(body, &b.frames));
             let bound = self.exact.bound(body);
             let (ra, rb) = (&frame_a.rotation, &frame_b.rotation);
             // Twice the sine of half the angle between them.
             let same = ra.x_axis.dot(rb.x_axis) + ra.y_axis.dot(rb.y_axis) + ra.z_axis.dot(rb.z_axis);
             let turn = (3.0 - same).max(0.0).sqrt();
             moved.by += frame_a.point(bound.centre).distance(frame_b.point(bound.centre)) + turn * bound.radius;
-            moved.off += turned * self.exact.swing(body, a, b) / 8.0;
+            moved.off += turned * self.exact.swing(body, &a.q, &b.q) / 8.0;
         }
         moved
     }
