@@ -7,9 +7,15 @@ const SAME: f64 = 1e-4;
 
 /// The curve with all corners rounded as widely as goes, whatever that touches.
 pub fn roundest(path: &Path) -> Curve {
+    rounded(path, 1.0)
+}
+
+/// The curve with all corners rounded by a part of what goes, from 0 (as the path) to 1.
+pub fn rounded(path: &Path, part: f64) -> Curve {
     let path = distinct(path);
     let corners = Corners::of(&path);
-    Curve::through(&corners, &corners.widest())
+    let widths: Vec<f64> = corners.widest().iter().map(|width| part * width).collect();
+    Curve::through(&corners, &widths)
 }
 
 /// A path without waypoints in the same place as the one before.

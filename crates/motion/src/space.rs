@@ -102,8 +102,12 @@ impl<'a> Space<'a> {
         self.between_free(0.0, 1.0, along, moved)
     }
 
-    /// Whether rows with straight lines between them are free, the first included.
+    /// Whether rows with straight lines between them are free, the first included, and within the joints' limits:
+    /// curves about a waypoint at a limit may swing beyond it.
     pub fn rows_free(&mut self, rows: &[Posture]) -> bool {
+        if !rows.iter().all(|row| self.within_limits(row)) {
+            return false;
+        }
         if self.quick.is_none() || rows.len() < 2 {
             return self.rows_free_exactly(rows);
         }
@@ -123,6 +127,12 @@ impl<'a> Space<'a> {
             from = to;
         }
         true
+    }
+
+    fn within_limits(&self, q: &[f64]) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        let robot = &self.world.model.robot;
+        q.iter().zip(&robot.lower).zip(&robot.upper).all(|((q, low), high)| *q >= low - ROUNDING && *q <= high + ROUNDING)
     }
 
     fn rows_free_exactly(&mut self, rows: &[Posture]) -> bool {

@@ -100,6 +100,17 @@ impl Scene {
         fall(&bodies, &pushes, forgiven).is_none()
     }
 
+    /// How far what carries an object at `pose` (world from object) reaches beyond its centre of mass in a level
+    /// direction, metres; `None` where it would not stay. With only fixtures there.
+    pub fn foothold(&self, object: ObjectId, pose: &Pose, direction: Vec2) -> Option<f64> {
+        let (bodies, pushes) = self.together(&[(object.index(), *pose)], TOUCH);
+        if fall(&bodies, &pushes, ROUNDING).is_some() {
+            return None;
+        }
+        let centre = bodies.first()?.centre;
+        pushes.iter().flat_map(|push| &push.patch).map(|p| (*p - centre).dot(direction)).max_by(f64::total_cmp)
+    }
+
     /// The first of these objects at these poses and all that hangs together with it, itself first, and
     /// how they push each other. It touches others within so much.
     fn together(&self, all: &[(usize, Pose)], within: f64) -> (Vec<Weight>, Vec<Push>) {

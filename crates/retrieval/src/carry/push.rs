@@ -6,7 +6,7 @@ use crate::push::{GRAVITY, Settings};
 use crate::ways::Way;
 use clearway_collision::Moment;
 use clearway_geometry::{Convex, Pose, Vec3};
-use clearway_motion::{Path, Posture, Space, Timed, distance, roundest, time_curve};
+use clearway_motion::{Curve, Path, Posture, Space, Timed, distance, rounded, time_curve};
 use clearway_plan::plan_file::{Action, SegmentKind, Step};
 use clearway_plan::push::Push;
 use clearway_plan::{ObjectId, ObjectSet};
@@ -20,6 +20,9 @@ const OUT: f64 = 0.02;
 const REACH: f64 = 0.4;
 /// … nor from the end of the push to where the way out begins.
 const NEAR: f64 = 0.5;
+/// The tool may leave the line by this, metres, and its axes turn by this, radians.
+const OFF: f64 = 3e-4;
+const TURNED: f64 = 3e-3;
 /// The hand is looked at without the object until it is this near, metres.
 const BEFORE: f64 = 5e-4;
 
@@ -180,38 +183,53 @@ impl<R: Rng> Carrier<'_, R> {
         const WHAT: &str = "the push";
         let world = self.world;
         let tool = self.tool_position();
-        let start = shove.from.translation;
-        let gone = |q: &Posture| (tool(q) - start).dot(shove.direction);
-        let timed = self.gently(path, settings.speed, settings.braking * shove.friction * GRAVITY, gone);
-        let rows = &timed.positions;
-        if rows.len() < 2 {
-            return obstructed(WHAT, ObjectSet::EMPTY);
-        }
-        let met = rows.iter().position(|q| gone(q) >= shove.free - BEFORE).unwrap_or(rows.len() - 1);
-
+        let gone = |q: &Posture| (tool(q) - shove.from.translation).dot(shove.direction);
         let mut before_it = Space::quick(world, coming, self.settings.final_step);
         let mut with_it = Space::quick(world, going, self.settings.final_step);
-        // Between two rows it is met.
-        let last = met.max(1) - 1;
-        if before_it.rows_free(&rows[..=last]) && with_it.rows_free(&rows[last..]) {
-            return Ok(Ok(timed));
+        let mut timed = Timed::default();
+        // As round as can be; where that leaves the line or touches something, less.
+        for part in [1.0, 0.2] {
+            let acceleration = settings.braking * shove.friction * GRAVITY;
+            timed = self.gently(&rounded(path, part), settings.speed, acceleration, gone);
+            let rows = &timed.positions;
+            if rows.len() < 2 {
+                return obstructed(WHAT, ObjectSet::EMPTY);
+            }
+            let met = rows.iter().position(|q| gone(q) >= shove.free - BEFORE).unwrap_or(rows.len() - 1);
+            // Between two rows it is met.
+            let last = met.max(1) - 1;
+            if self.straight(shove, rows) && before_it.rows_free(&rows[..=last]) && with_it.rows_free(&rows[last..]) {
+                return Ok(Ok(timed));
+            }
         }
-        let blamed = with_it.path_touched(rows).unwrap_or_default();
+        let mut coarse = Space::quick(world, going, self.settings.step);
+        let blamed = coarse.path_touched(&timed.positions).unwrap_or_default();
         obstructed(WHAT, blamed)
     }
 
-    /// A path timed so that the tool keeps to a speed and an acceleration along it.
-    fn gently(&self, path: &Path, speed: f64, acceleration: f64, gone: impl Fn(&Posture) -> f64) -> Timed {
-        let curve = roundest(path);
+    /// Whether the tool keeps to the line and does not turn.
+    fn straight(&self, shove: &Shove, rows: &[Posture]) -> bool {
+        let model = &self.world.model;
+        rows.iter().all(|q| {
+            let tool = model.kinematics.tool(q, model.robot.hand.open());
+            let off = (tool.translation - shove.from.translation).reject_from(shove.direction);
+            let turned = |a: Vec3, b: Vec3| a.distance(b) > TURNED;
+            let (now, then) = (tool.rotation, shove.from.rotation);
+            off.length() <= OFF && !turned(now.x_axis, then.x_axis) && !turned(now.z_axis, then.z_axis)
+        })
+    }
+
+    /// A curve timed so that the tool keeps to a speed and an acceleration along it.
+    fn gently(&self, curve: &Curve, speed: f64, acceleration: f64, gone: impl Fn(&Posture) -> f64) -> Timed {
         let mut slower = 1.0;
-        let mut timed = time_curve(&curve, &self.limits(slower), self.settings.row);
+        let mut timed = time_curve(curve, &self.limits(slower), self.settings.row);
         for _ in 0..4 {
             let excess = excess(&timed, speed, acceleration, &gone);
             if excess <= 1.0 {
                 break;
             }
             slower *= excess * 1.005;
-            timed = time_curve(&curve, &self.limits(slower), self.settings.row);
+            timed = time_curve(curve, &self.limits(slower), self.settings.row);
         }
         timed
     }

@@ -223,7 +223,7 @@ impl Feasibility {
                 let found = (0..).take_while(|i| f64::from(*i) <= steps).map(|i| pushing.nearest + f64::from(i) * pushing.step).find(|d| {
                     reason = reason.max(NoPush::InTheWay);
                     let there = world.placed_with_room(object, &course.pose(direction, *d), pushing.margin_of_error);
-                    !in_the_way(&there) && course.carried(direction, *d)
+                    !in_the_way(&there) && course.carried(direction, *d, upright.radius)
                 });
                 ends.extend(found.map(|distance| End { from, grasp: side.clone(), direction, contact, height, distance }));
                 if ends.len() >= pushing.ends {

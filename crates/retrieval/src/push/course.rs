@@ -12,8 +12,10 @@ const STEP: f64 = 0.005;
 const ROUNDING: f64 = 1e-6;
 /// An object is looked at raised by this: what carries it does not count.
 const RAISED: f64 = 0.003;
-/// Between places at which it is made sure that it does not tip over an edge, metres.
+/// Between places at which it is made sure that it does not reach over an edge, metres.
 const STANDS_STEP: f64 = 0.04;
+/// So much of its foot is carried in the direction of the push: discs count as polygons.
+const CARRIED: f64 = 0.97;
 
 /// What is pushed, from where (root frame), and what else there is.
 pub(crate) struct Course<'a> {
@@ -53,15 +55,18 @@ impl Course<'_> {
         (clear - ROUNDING).clamp(0.0, farthest)
     }
 
-    /// Whether it stays on what carries it, all the way and a margin further.
-    pub fn carried(&self, direction: Vec3, distance: f64) -> bool {
+    /// Whether it stays on what carries it with all of its foot, `radius` wide, as far as it leads the way: up to the end
+    /// and a margin further. Over an edge it would tip sooner.
+    pub fn carried(&self, direction: Vec3, distance: f64, radius: f64) -> bool {
         let Self { world, scene, object, room, .. } = *self;
+        let ahead = (world.world_from_root.rotation * direction).truncate();
         let (fixtures, _) = &world.carriers[object.index()];
         let steps = (distance / STANDS_STEP).ceil().max(1.0) as usize;
         let stops = (1..=steps).map(|i| distance * i as f64 / steps as f64).chain([distance + room]);
         stops.into_iter().all(|d| {
             let at = self.pose(direction, d);
-            world.below(object, &at).0 == *fixtures && scene.stands(object, &(world.world_from_root * at), ObjectSet::EMPTY)
+            world.below(object, &at).0 == *fixtures
+                && scene.foothold(object, &(world.world_from_root * at), ahead).is_some_and(|reach| reach >= CARRIED * radius)
         })
     }
 }
