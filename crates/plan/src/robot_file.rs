@@ -127,7 +127,7 @@ pub enum HandKind {
 pub struct Grasps {
     #[serde(default)]
     pub kind: GraspKind,
-    /// How many directions round the object, evenly spread.
+    /// How many directions round the object, evenly spread; boxes are taken square to their sides as well.
     #[serde(default = "default_yaws")]
     pub yaws: usize,
     /// Fractions of the object's height.

@@ -1,8 +1,9 @@
 //! Preset grasps round an object (section IV-D), as poses of the tool in the object's frame.
 //!
-//! `side`: the hand comes level from evenly spread directions, at fractions of the object's
-//! height. `list`: poses from the robot file. A parallel hand is closed until its fingers touch;
-//! a suction cup is set on the surface.
+//! `side`: the hand comes level from evenly spread directions and square to the level sides of boxes, at
+//! fractions of the object's height. `list`: poses from the robot file. A parallel hand is closed until its
+//! fingers touch; a suction cup is set on the surface. Where an object can be held so that it does not turn or
+//! slip in the hand, it is held in no other way: a box by its sides, not by its corners.
 
 use clearway_collision::World;
 use clearway_geometry::distance::closer_than;
@@ -28,6 +29,23 @@ const CUP_GAP: f64 = 0.0003;
 const TOUCH: f64 = 0.0005;
 /// … and close up to this.
 const FIRM: f64 = 2e-5;
+/// How far an object is turned, radians (a little, and far enough to be off the diagonal of a box), and moved ahead, metres, to see whether that loosens the hand's hold …
+const TURNED: [f64; 2] = [0.03, 0.15];
+const AHEAD: f64 = 0.003;
+/// … by more than this: then it is not held firmly. Of the slip a friction of 0.3 holds back as much.
+const LOOSE_TURNED: f64 = 2e-4;
+const LOOSE_AHEAD: f64 = 0.3 * AHEAD;
+/// Raised or lowered by this, metres, it is still between the fingers: not held at its very edge.
+const RAISED: f64 = 0.012;
+/// A cup sits on a surface that so far to either side is as far off, within so much, and falls off by no more: a can's
+/// does, a corner's not. Metres.
+const RIM: f64 = 0.008;
+const SQUARE: f64 = 5e-4;
+const FALLS_OFF: f64 = 2.5e-3;
+/// How far a side of a box may be from upright: the sine of the angle.
+const LEVEL: f64 = 0.01;
+/// Directions this close are one, radians.
+const SAME_YAW: f64 = 1e-6;
 /// Of the hand's stroke, a few centimetres, less than FIRM is left.
 const BISECTIONS: usize = 14;
 /// A hand that nowhere reaches farther by this after half a turn about its z axis is the same upside down, metres.
@@ -44,10 +62,8 @@ pub fn declared(world: &World, object: ObjectId) -> Vec<(Pose, Option<Grasp>)> {
         poses.extend(robot.grasps.list.iter().map(|keys| keys.pose()));
     } else {
         for &height in &robot.grasps.heights {
-            for yaw in 0..robot.grasps.yaws {
-                let angle = TAU * yaw as f64 / robot.grasps.yaws as f64;
-                poses.extend(side(solid, &world_from_object, angle, height, &robot.hand.kind));
-            }
+            let angles = angles(solid, &world_from_object, robot.grasps.yaws);
+            poses.extend(angles.into_iter().flat_map(|angle| side(solid, &world_from_object, angle, height, &robot.hand.kind)));
         }
     }
     if both_ways_up(world) {
@@ -66,13 +82,45 @@ pub fn declared(world: &World, object: ObjectId) -> Vec<(Pose, Option<Grasp>)> {
     poses.into_iter().map(&mut grasp).collect()
 }
 
-/// The declared grasps that hold an object, and how many do not.
-pub fn preset_grasps(world: &World, object: ObjectId) -> (Vec<Grasp>, usize) {
+/// Of the declared grasps those that hold an object firmly, or, where none does, those that hold it; and what became
+/// of the others.
+pub fn preset_grasps(world: &World, object: ObjectId) -> Presets {
     let declared = declared(world, object);
     let count = declared.len();
-    let grasps: Vec<Grasp> = declared.into_iter().filter_map(|(_, grasp)| grasp).collect();
-    let dropped = count - grasps.len();
-    (grasps, dropped)
+    let holding: Vec<Grasp> = declared.into_iter().filter_map(|(_, grasp)| grasp).collect();
+    let too_wide = count - holding.len();
+    let mut hold = Hold::new(world, &world.solids[object.index()]);
+    let firm: Vec<Grasp> = holding.iter().filter(|grasp| hold.is_firm(grasp)).cloned().collect();
+    if firm.is_empty() {
+        return Presets { grasps: holding, too_wide, askew: 0 };
+    }
+    Presets { askew: holding.len() - firm.len(), grasps: firm, too_wide }
+}
+
+/// The grasps to take an object by.
+pub struct Presets {
+    pub grasps: Vec<Grasp>,
+    /// How many declared grasps do not hold it, and how many not firmly.
+    pub too_wide: usize,
+    pub askew: usize,
+}
+
+/// World yaws from which the hand comes: evenly spread, then square to the level sides of boxes.
+fn angles(solid: &Solid, world_from_object: &Pose, count: usize) -> Vec<f64> {
+    let step = TAU / count as f64;
+    let mut angles: Vec<f64> = (0..count).map(|yaw| step * yaw as f64).collect();
+    let boxes = solid.parts.iter().filter(|(_, convex)| matches!(convex, Convex::Box { .. }));
+    for (pose, _) in boxes {
+        let rotation = world_from_object.rotation * pose.rotation;
+        for side in [rotation.x_axis, rotation.y_axis, rotation.z_axis].into_iter().flat_map(|n| [n, -n]).filter(|n| n.z.abs() < LEVEL) {
+            let angle = (-side.y).atan2(-side.x);
+            let near = |a: f64, b: f64| ((a - b) / TAU - ((a - b) / TAU).round()).abs() * TAU < SAME_YAW;
+            if !angles.iter().any(|known| near(*known, angle)) {
+                angles.push(angle);
+            }
+        }
+    }
+    angles
 }
 
 /// Whether grasps are declared for the hand as it is and upside down, where a parallel hand is the same; a last joint
@@ -205,6 +253,62 @@ impl<'a> Fingers<'a> {
             .any(|(pose, convex)| self.solid.parts.iter().any(|(p, c)| closer_than(convex, &pose, c, &(*tool_from_object * *p), margin)))
     }
 
+}
+
+/// Whether grasps hold one solid firmly.
+struct Hold<'a> {
+    world: &'a World,
+    fingers: Fingers<'a>,
+    known: Vec<(Pose, bool)>,
+}
+
+impl<'a> Hold<'a> {
+    fn new(world: &'a World, solid: &'a Solid) -> Self {
+        Self { world, fingers: Fingers::new(world, solid), known: Vec::new() }
+    }
+
+    fn is_firm(&mut self, grasp: &Grasp) -> bool {
+        // Whoever lists grasps has thought about them.
+        if self.world.model.robot.grasps.kind == GraspKind::List || !self.world.model.robot.grasps.list.is_empty() {
+            return true;
+        }
+        match self.world.model.robot.hand.kind {
+            HandKind::Suction { .. } => self.is_square(&grasp.object_from_tool),
+            HandKind::Parallel => {
+                let asked = if self.fingers.round { turned_to_x(&grasp.object_from_tool) } else { grasp.object_from_tool };
+                if let Some((_, firm)) = self.known.iter().find(|(pose, _)| same(pose, &asked)) {
+                    return *firm;
+                }
+                let firm = self.stays(&asked.inverse(), grasp.closed);
+                self.known.push((asked, firm));
+                firm
+            }
+        }
+    }
+
+    /// Turned a little either way, raised, lowered or moved away from the palm, it does not come loose: fingers that close on the
+    /// corners of a box turn it until they are on its sides.
+    fn stays(&self, tool_from_object: &Pose, closed: f64) -> bool {
+        let moved = |by: Pose, loose: f64| self.fingers.near(closed, &(by * *tool_from_object), FIRM + loose);
+        let turned = |angle: f64| moved(Pose::new(Mat3::from_rotation_y(angle), Vec3::ZERO), LOOSE_TURNED);
+        let raised = |by: f64| moved(Pose::from_translation(Vec3::Y * by), LOOSE_AHEAD);
+        TURNED.into_iter().all(|angle| turned(angle) && turned(-angle)) && raised(RAISED) && raised(-RAISED) && moved(Pose::from_translation(Vec3::Z * AHEAD), LOOSE_AHEAD)
+    }
+
+    /// Whether the surface under a cup is square to it.
+    fn is_square(&self, object_from_tool: &Pose) -> bool {
+        const BACK: f64 = 0.02;
+        let rotation = object_from_tool.rotation;
+        let depth = |aside: Vec3| {
+            let start = object_from_tool.translation + rotation * aside - rotation.z_axis * BACK;
+            surface_along(self.fingers.solid, &Pose::IDENTITY, start, rotation.z_axis, 2.0 * BACK).map(|p| (p - start).dot(rotation.z_axis))
+        };
+        let Some(middle) = depth(Vec3::ZERO) else { return false };
+        [Vec3::X, Vec3::Y].into_iter().all(|axis| match (depth(axis * RIM), depth(axis * -RIM)) {
+            (Some(a), Some(b)) => (a - b).abs() < SQUARE && a.max(b) - middle < FALLS_OFF,
+            _ => false,
+        })
+    }
 }
 
 /// The parts of the hand's links at a value of its joint, each with `tool_from_part`.

@@ -12,7 +12,7 @@
 //! further.
 
 use crate::floor::Floor;
-use crate::grasps::{Grasp, in_twos, preset_grasps};
+use crate::grasps::{Grasp, Presets, in_twos, preset_grasps};
 use clearway_collision::lanes::{LANES, Suspects};
 use clearway_collision::{Held, Moment, Quick, Scratch, Touch, World};
 use clearway_geometry::{Pose, Vec2};
@@ -112,6 +112,8 @@ pub struct Ways {
 #[derive(Clone, Debug, Default)]
 pub struct Counts {
     pub too_wide: usize,
+    /// Held so it would turn or slip in the hand, and otherwise it would not.
+    pub askew: usize,
     pub out_of_reach: usize,
     /// At the grasp itself the arm meets a fixture or itself.
     pub fixed_at_grasp: usize,
@@ -124,6 +126,7 @@ impl Counts {
     fn list(&self) -> Vec<GraspCount> {
         [
             ("too wide for the hand there, or not reached by the fingers", self.too_wide),
+            ("not firm: it would turn or slip in the hand", self.askew),
             ("out of the arm's reach", self.out_of_reach),
             ("the arm meets a fixture or itself at the grasp", self.fixed_at_grasp),
             ("the straight approach meets a fixture, the arm itself, or the end of reach", self.fixed_on_approach),
@@ -136,7 +139,7 @@ impl Counts {
     }
 
     pub fn total(&self) -> usize {
-        self.too_wide + self.out_of_reach + self.fixed_at_grasp + self.fixed_on_approach + self.ways
+        self.too_wide + self.askew + self.out_of_reach + self.fixed_at_grasp + self.fixed_on_approach + self.ways
     }
 }
 
@@ -230,8 +233,8 @@ impl Explorer<'_> {
 
     /// Finds every grasp posture of an object; none is looked at yet.
     pub fn explore(&self, object: ObjectId, budget: &Budget) -> Result<Ways, Stop> {
-        let (grasps, too_wide) = preset_grasps(self.world, object);
-        let mut found = Ways { counts: Counts { too_wide, ..Counts::default() }, ..Ways::default() };
+        let Presets { grasps, too_wide, askew } = preset_grasps(self.world, object);
+        let mut found = Ways { counts: Counts { too_wide, askew, ..Counts::default() }, ..Ways::default() };
         let home = &self.world.model.robot.home;
         let in_twos = in_twos(self.world);
         for (index, grasp) in grasps.iter().enumerate() {

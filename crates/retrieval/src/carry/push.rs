@@ -23,6 +23,8 @@ const NEAR: f64 = 0.5;
 /// The tool may leave the line by this, metres, and its axes turn by this, radians.
 const OFF: f64 = 3e-4;
 const TURNED: f64 = 3e-3;
+/// So much more than asked is let pass: half of what friction holds was asked.
+const GENTLE: f64 = 1.2;
 /// The hand is looked at without the object until it is this near, metres.
 const BEFORE: f64 = 5e-4;
 
@@ -190,7 +192,8 @@ impl<R: Rng> Carrier<'_, R> {
         // As round as can be; where that leaves the line or touches something, less.
         for part in [1.0, 0.2] {
             let acceleration = settings.braking * shove.friction * GRAVITY;
-            timed = self.gently(&rounded(path, part), settings.speed, acceleration, gone);
+            let Some(gentle) = self.gently(&rounded(path, part), settings.speed, acceleration, gone) else { continue };
+            timed = gentle;
             let rows = &timed.positions;
             if rows.len() < 2 {
                 return obstructed(WHAT, ObjectSet::EMPTY);
@@ -219,19 +222,20 @@ impl<R: Rng> Carrier<'_, R> {
         })
     }
 
-    /// A curve timed so that the tool keeps to a speed and an acceleration along it.
-    fn gently(&self, curve: &Curve, speed: f64, acceleration: f64, gone: impl Fn(&Posture) -> f64) -> Timed {
+    /// A curve timed so that the tool keeps to a speed and an acceleration along it; `None` where slowing down does
+    /// not do it.
+    fn gently(&self, curve: &Curve, speed: f64, acceleration: f64, gone: impl Fn(&Posture) -> f64) -> Option<Timed> {
         let mut slower = 1.0;
         let mut timed = time_curve(curve, &self.limits(slower), self.settings.row);
-        for _ in 0..4 {
+        for _ in 0..6 {
             let excess = excess(&timed, speed, acceleration, &gone);
             if excess <= 1.0 {
-                break;
+                return Some(timed);
             }
             slower *= excess * 1.005;
             timed = time_curve(curve, &self.limits(slower), self.settings.row);
         }
-        timed
+        (excess(&timed, speed, acceleration, gone) <= GENTLE).then_some(timed)
     }
 }
 

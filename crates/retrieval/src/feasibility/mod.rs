@@ -15,6 +15,7 @@ use crate::barriers::Barriers;
 use crate::bound::Prover;
 use crate::carry;
 use crate::floor::Floor;
+use crate::grasps::declared;
 use crate::mobile::{self, Base};
 use crate::order::WaysIn;
 use crate::place;
@@ -24,7 +25,7 @@ use crate::stand::{Stand, Tools};
 use crate::trace;
 use crate::ways::{self, Explorer, Stage, Way, Ways};
 use clearway_collision::{CollisionModel, Contact, Moment, Scratch, Touch, World};
-use clearway_geometry::Vec2;
+use clearway_geometry::{Pose, Vec2};
 use clearway_motion::{Posture, Trees};
 use clearway_plan::plan_file::{LowerBound, PlanFile};
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
@@ -343,15 +344,18 @@ impl Feasibility {
     /// complete inverse kinematics, and without the margins that the search keeps.
     pub(crate) fn proved_out_of_reach(&mut self, object: ObjectId, budget: &Budget) -> Result<bool, Stop> {
         let Stand { world, ways, .. } = &self.stands[0];
-        let Some(ways) = &ways[object.index()] else { return Ok(false) };
+        if ways[object.index()].is_none() {
+            return Ok(false);
+        }
+        // Those that are not firm as well.
+        let grasps: Vec<Pose> = declared(world, object).into_iter().filter_map(|(_, grasp)| Some(grasp?.object_from_tool)).collect();
         // With grasps left, finding no posture proves something only if every posture is found, and from
         // everywhere that the base could be.
-        if !ways.grasps.is_empty() && (!self.inverse.complete() || self.base.is_some()) {
+        if !grasps.is_empty() && (!self.inverse.complete() || self.base.is_some()) {
             return Ok(false);
         }
         let mut moment = Moment::new(ObjectSet::EMPTY, world.model.robot.hand.open(), 0.0);
         moment.gripping = Some(object);
-        let grasps: Vec<_> = ways.grasps.iter().map(|g| g.object_from_tool).collect();
         for object_from_tool in grasps {
             budget.check()?;
             let at = world.poses[object.index()] * object_from_tool;
