@@ -37,6 +37,8 @@ const LOOSE_TURNED: f64 = 2e-4;
 const LOOSE_AHEAD: f64 = 0.3 * AHEAD;
 /// Raised or lowered by this, metres, it is still between the fingers: not held at its very edge.
 const RAISED: f64 = 0.012;
+/// Pads are at what they hold within this, both together, metres.
+const PADS_OFF: f64 = 1e-3;
 /// A cup sits on a surface that so far to either side is as far off, within so much, and falls off by no more: a can's
 /// does, a corner's not. Metres.
 const RIM: f64 = 0.008;
@@ -178,9 +180,16 @@ fn side(solid: &Solid, world_from_object: &Pose, angle: f64, height: f64, kind: 
                 .into_iter()
                 .collect()
         }
-        HandKind::Parallel if back - front > 2.0 * PAD + 0.05 => vec![grasp((back + front) / 2.0), grasp(front + PAD)],
+        HandKind::Parallel if back - front > deep(solid) => vec![grasp((back + front) / 2.0), grasp(front + PAD)],
         HandKind::Parallel => vec![grasp((back + front) / 2.0)],
     }
+}
+
+/// Objects deeper than this are held by what is near their front, too, metres: of a box the corners may meet the hand
+/// before its pads do.
+fn deep(solid: &Solid) -> f64 {
+    let has_corners = solid.parts.iter().any(|(_, convex)| matches!(convex, Convex::Box { .. }));
+    2.0 * PAD + if has_corners { 0.02 } else { 0.05 }
 }
 
 /// Where a ray from outside first meets the solid, world coordinates.
@@ -291,6 +300,11 @@ impl<'a> Hold<'a> {
     fn stays(&self, tool_from_object: &Pose, closed: f64) -> bool {
         let moved = |by: Pose, loose: f64| self.fingers.near(closed, &(by * *tool_from_object), FIRM + loose);
         let turned = |angle: f64| moved(Pose::new(Mat3::from_rotation_y(angle), Vec3::ZERO), LOOSE_TURNED);
+        let across = |d: Vec3| tool_from_object.point(self.fingers.solid.support(tool_from_object.rotation.transpose() * d)).x;
+        // Wider apart than it is wide, the pads do not touch it: something else does.
+        if self.world.model.robot.hand.gap_at(closed) > across(Vec3::X) - across(-Vec3::X) + PADS_OFF {
+            return false;
+        }
         let raised = |by: f64| moved(Pose::from_translation(Vec3::Y * by), LOOSE_AHEAD);
         TURNED.into_iter().all(|angle| turned(angle) && turned(-angle)) && raised(RAISED) && raised(-RAISED) && moved(Pose::from_translation(Vec3::Z * AHEAD), LOOSE_AHEAD)
     }

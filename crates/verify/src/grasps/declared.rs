@@ -5,8 +5,10 @@ use clearway_plan::robot_file::{GraspKind, Grasps};
 use parry3d_f64::math::{Pose, Rotation, Vector};
 use std::f64::consts::{PI, TAU};
 
-/// An object deeper than this is held with the finger tips, too, [`PAD`] behind its front: metres.
+/// An object deeper than this is held with the finger tips, too, [`PAD`] behind its front, one with a box in it sooner:
+/// metres.
 const DEEP: f64 = 0.09;
+const DEEP_BOX: f64 = 0.06;
 const PAD: f64 = 0.02;
 /// How far from upright a box's side may be: the sine of the angle.
 const UPRIGHT: f64 = 0.01;
@@ -20,6 +22,7 @@ pub(super) fn declared(grasps: &Grasps, pieces: &[Piece], world_from_object: &Po
         return grasps.list.iter().map(|keys| pose_from(keys.position, keys.rpy, keys.quaternion)).collect();
     }
     let mut poses = Vec::new();
+    let deeper = if pieces.iter().any(|p| p.shape.as_cuboid().is_some()) { DEEP_BOX } else { DEEP };
     let yaws = yaws(pieces, world_from_object, grasps.yaws);
     for &height in &grasps.heights {
         for yaw in &yaws {
@@ -29,7 +32,7 @@ pub(super) fn declared(grasps: &Grasps, pieces: &[Piece], world_from_object: &Po
             let (low, high) = extent(pieces, &world_from_hand.inv_mul(world_from_object));
             let middle = (low + high) / 2.0;
             let up = low.y + height * (high.y - low.y);
-            let deep = (high.z - low.z > DEEP).then_some(low.z + PAD);
+            let deep = (high.z - low.z > deeper).then_some(low.z + PAD);
             for forward in [Some(middle.z), deep].into_iter().flatten() {
                 let at = Pose::from_translation(Vector::new(middle.x, up, forward));
                 poses.push(world_from_object.inv_mul(&(world_from_hand * at)));

@@ -2,7 +2,8 @@
 //! below µ·g while it moves.
 //!
 //! Divided differences of rows, as for joints (see [`limits`](crate::limits)), across the border to what
-//! follows the push, too; at the plan's end the robot is at rest.
+//! follows the push, too; at the plan's end the robot is at rest. A hand that then goes back has left the
+//! object where it stopped: only its coming to rest counts.
 
 use super::{Line, MOVES, Push, Row, exceeds};
 use crate::report::Report;
@@ -51,5 +52,5 @@ fn after(push: &Push, rows: &[Row], line: &Line) -> Option<(f64, f64, bool)> {
     let [from, to] = next.postures.get(..2)? else { return None };
     let seconds = next.segment.times[1] - next.segment.times[0];
     let at = |posture: &[f64]| push.case.link_poses(posture)[tool].translation;
-    (seconds > 0.0).then(|| (seconds, (at(to) - at(from)).dot(line.direction) / seconds, false))
+    (seconds > 0.0).then(|| (seconds, ((at(to) - at(from)).dot(line.direction) / seconds).max(0.0), false))
 }
