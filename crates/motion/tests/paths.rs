@@ -63,3 +63,19 @@ fn paths_are_free_and_timed_within_limits() {
     }
     assert!(found > 15 && bent > 3, "{found} {bent}");
 }
+
+/// A curve about a waypoint at a joint's limit may swing beyond it.
+#[test]
+fn rows_beyond_a_limit_are_not_free() {
+    let scene = Scene::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/shelf.yaml")).unwrap();
+    let robot = Arc::new(Robot::load(&scene.file.robot.model, Path::new("."), &[]).unwrap());
+    let (home, upper) = (robot.home.clone(), robot.upper.clone());
+    let world = World::new(Arc::new(CollisionModel::new(robot)), &scene);
+    let moment = Moment::new(ObjectSet::EMPTY, world.model.robot.hand.open(), 0.0);
+    for quick in [false, true] {
+        let mut space = if quick { Space::quick(&world, &moment, 0.01) } else { Space::new(&world, &moment, 0.01) };
+        let rows = |last: f64| [home[5], (home[5] + last) / 2.0, last].map(|q6| home[..5].iter().copied().chain([q6]).collect::<Vec<f64>>());
+        assert!(space.rows_free(&rows(upper[5])));
+        assert!(!space.rows_free(&rows(upper[5] + 1e-3)));
+    }
+}

@@ -128,6 +128,24 @@ fn what_would_tip_is_not_pushed() {
     assert_eq!(told, "picked: the hand does not get low enough: pushed higher, it would tip");
 }
 
+/// The board ends 0.19 m beside the object: with its foot over the edge it would tip sooner.
+#[test]
+fn nothing_is_pushed_over_an_edge() {
+    let alone = |text: String| text.lines().filter(|l| !l.contains("id: beside") && !l.contains("id: other")).collect::<Vec<_>>().join("\n");
+    let narrow = |width: f64| alone(scene(CAN, "")).replace("{id: floor, box: {size: [0.6, 1.0, 0.02]}", &format!("{{id: floor, box: {{size: [0.6, {width}, 0.02]}}"));
+    let mut pushed = 0;
+    for width in [0.30, 0.34, 0.38, 0.42, 0.5] {
+        let plan = plan_with(&narrow(width), Pushes::Prefer, |_| ());
+        let step = &plan.steps[0];
+        if step.action == Action::Push {
+            pushed += 1;
+            let [x, y, _] = step.placed.position;
+            assert!(y.abs() + 0.037 * 0.97 <= width / 2.0 + 1e-6 && x - 0.037 * 0.97 >= 0.6, "{width}: {x}, {y}");
+        }
+    }
+    assert!(pushed >= 2, "{pushed}");
+}
+
 #[test]
 fn what_carries_something_is_not_pushed() {
     let text = scene(CAN, "").replace(
