@@ -3,11 +3,16 @@
 import copy
 import json
 
+from pathlib import Path
+
 import mujoco
 import numpy as np
 import pytest
+import yaml
+from scipy.spatial.transform import Rotation
 
 import mini_plan
+import scenes
 from clearway_cli import SOLVED
 from mujoco_player import Unplayable, play, settings
 from mujoco_player.measure import summary
@@ -213,6 +218,42 @@ def test_generated_plans(clearway, tmp_path, kind, seed, more):
     assert played.as_planned and not played.faults(), played.faults()
     assert played.arm_force <= 1.0 and played.tracking < 1e-3
     assert summary(plan, played)["target"]
+
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+@pytest.mark.parametrize("name", ["blocked", "bottle_shelf", "fridge", "table"])
+def test_examples(clearway, tmp_path, name):
+    """Boxes among them that are turned, cartons that are held near their front, a hand whose fingers swing."""
+    path = tmp_path / "plan.json"
+    clearway.solve(EXAMPLES / f"{name}.yaml", path)
+    played = play(json.loads(path.read_text()))
+    assert played.as_planned and not played.faults(), played.faults()
+    done = clearway.run("simulate", path)
+    assert done.code == SOLVED, done.out
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_turned_boxes_are_held_by_their_sides(clearway, tmp_path, seed):
+    """A generated shelf, every cylinder a box within it, each turned otherwise."""
+    scene, path = tmp_path / "scene.yaml", tmp_path / "plan.json"
+    made = clearway.run("generate", "shelf", "--objects", 8, "--seed", seed, "-o", scene)
+    assert made.code == SOLVED, made.err
+    keys = scenes.read(scene)
+    for turn, body in enumerate(keys["objects"]):
+        shape = body.pop("cylinder")
+        side = 1.4 * shape["radius"]
+        body.update(box={"size": [side, side, shape["height"]]}, rpy=[0, 0, 0.37 * turn])
+    scene.write_text(yaml.safe_dump(keys))
+    clearway.solve(scene, path)
+    plan = json.loads(path.read_text())
+    played = play(plan)
+    assert played.as_planned and not played.faults(), played.faults()
+    for step in plan["steps"]:
+        grasped = next(part["attached"] for part in step["segments"] if part.get("attached"))["pose_in_tool"]
+        forward = Rotation.from_quat(grasped["quaternion"]).inv().apply([0, 0, 1])
+        assert np.abs(forward[:2]).max() == pytest.approx(1, abs=1e-3), (step["object"], forward)
 
 
 def test_noise_is_drawn_from_the_seed():

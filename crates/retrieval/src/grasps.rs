@@ -295,18 +295,24 @@ impl<'a> Hold<'a> {
         }
     }
 
-    /// Turned a little either way, raised, lowered or moved away from the palm, it does not come loose: fingers that close on the
-    /// corners of a box turn it until they are on its sides.
+    /// Turned a little either way, raised, lowered or moved away from the palm, it does not come loose: fingers that
+    /// close on the corners of a box turn it until they are on its sides.
     fn stays(&self, tool_from_object: &Pose, closed: f64) -> bool {
-        let moved = |by: Pose, loose: f64| self.fingers.near(closed, &(by * *tool_from_object), FIRM + loose);
-        let turned = |angle: f64| moved(Pose::new(Mat3::from_rotation_y(angle), Vec3::ZERO), LOOSE_TURNED);
-        let across = |d: Vec3| tool_from_object.point(self.fingers.solid.support(tool_from_object.rotation.transpose() * d)).x;
+        let farthest = |d: Vec3| tool_from_object.point(self.fingers.solid.support(tool_from_object.rotation.transpose() * d));
         // Wider apart than it is wide, the pads do not touch it: something else does.
-        if self.world.model.robot.hand.gap_at(closed) > across(Vec3::X) - across(-Vec3::X) + PADS_OFF {
+        if self.world.model.robot.hand.gap_at(closed) > farthest(Vec3::X).x - farthest(-Vec3::X).x + PADS_OFF {
             return false;
         }
-        let raised = |by: f64| moved(Pose::from_translation(Vec3::Y * by), LOOSE_AHEAD);
-        TURNED.into_iter().all(|angle| turned(angle) && turned(-angle)) && raised(RAISED) && raised(-RAISED) && moved(Pose::from_translation(Vec3::Z * AHEAD), LOOSE_AHEAD)
+        let moved = |by: Pose, loose: f64| self.fingers.near(closed, &(by * *tool_from_object), FIRM + loose);
+        let shifted = |by: Vec3| moved(Pose::from_translation(by), LOOSE_AHEAD);
+        // About the middle between the pads, and about its own.
+        let own = Vec3::Z * ((farthest(Vec3::Z).z + farthest(-Vec3::Z).z) / 2.0);
+        let turned = |about: Vec3, angle: f64| {
+            let turn = Mat3::from_rotation_y(angle);
+            moved(Pose::new(turn, about - turn * about), LOOSE_TURNED)
+        };
+        let stays = |about: Vec3| TURNED.into_iter().all(|angle| turned(about, angle) && turned(about, -angle));
+        stays(Vec3::ZERO) && stays(own) && [Vec3::Y * RAISED, Vec3::Y * -RAISED, Vec3::Z * AHEAD].into_iter().all(shifted)
     }
 
     /// Whether the surface under a cup is square to it.

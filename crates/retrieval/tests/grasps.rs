@@ -10,12 +10,18 @@ use clearway_scene::Scene;
 use std::path::Path;
 use std::sync::Arc;
 
+fn arm(robot: &str) -> Arc<CollisionModel> {
+    let robot = Arc::new(Robot::load(robot, Path::new("."), &[]).unwrap());
+    let model = Arc::new(CollisionModel::new(robot));
+    model.standing.as_ref().map_or(model.clone(), |standing| standing.model.clone())
+}
+
 /// One object before a robot, and what it can be taken by.
-fn presets(robot: &str, object: &str) -> (World, Presets) {
+fn presets(model: &Arc<CollisionModel>, object: &str) -> (World, Presets) {
     let text = format!(
         "\
 format: clearway-scene/1
-robot: {{model: {robot}, base: {{position: [0, 0, 0]}}}}
+robot: {{model: any, base: {{position: [0, 0, 0]}}}}
 fixtures:
   - {{id: table, box: {{size: [0.6, 1.0, 0.02]}}, position: [0.7, 0, 0.49]}}
 objects:
@@ -25,10 +31,7 @@ place: [{{id: tray, size: [0.2, 0.2], position: [0.7, 0.3, 0.5]}}]
 "
     );
     let scene = Scene::from_text(Path::new("table.yaml"), &text).unwrap();
-    let robot = Arc::new(Robot::load(robot, Path::new("."), &[]).unwrap());
-    let model = Arc::new(CollisionModel::new(robot));
-    let model = model.standing.as_ref().map_or(model.clone(), |standing| standing.model.clone());
-    let world = World::new(model, &scene);
+    let world = World::new(model.clone(), &scene);
     let presets = preset_grasps(&world, ObjectId(0));
     (world, presets)
 }
@@ -47,8 +50,9 @@ fn off_axis(forward: Vec3) -> f64 {
 #[test]
 fn boxes_are_held_by_their_sides_however_they_stand() {
     for robot in ["ur10_ag95", "panda", "pr2_left", "ur10_suction"] {
-        for yaw in [0.0, 0.1, 0.3, 0.785, 1.4] {
-            let (_, presets) = presets(robot, &format!("box: {{size: [0.05, 0.06, 0.14]}}, position: [0.7, 0, 0.57], rpy: [0, 0, {yaw}]"));
+        let model = arm(robot);
+        for (yaw, size) in [0.0, 0.1, 0.3, 0.785, 1.4].into_iter().flat_map(|yaw| [(yaw, "0.05, 0.06"), (yaw, "0.05, 0.05")]) {
+            let (_, presets) = presets(&model, &format!("box: {{size: [{size}, 0.14]}}, position: [0.7, 0, 0.57], rpy: [0, 0, {yaw}]"));
             let forwards = forwards(&presets);
             let square = |f: &Vec3| off_axis(*f) < 0.02;
             assert!(!forwards.is_empty() && forwards.iter().all(square), "{robot}, {yaw}: {forwards:?}");
@@ -64,7 +68,7 @@ fn boxes_are_held_by_their_sides_however_they_stand() {
 #[test]
 fn cylinders_are_held_from_all_round() {
     for robot in ["ur10_ag95", "panda", "pr2_left", "ur10_suction"] {
-        let (world, presets) = presets(robot, "cylinder: {radius: 0.03, height: 0.14}, position: [0.7, 0, 0.57]");
+        let (world, presets) = presets(&arm(robot), "cylinder: {radius: 0.03, height: 0.14}, position: [0.7, 0, 0.57]");
         assert_eq!((presets.askew, presets.too_wide), (0, 0), "{robot}");
         assert_eq!(presets.grasps.len(), declared(&world, ObjectId(0)).len(), "{robot}");
     }
@@ -74,7 +78,7 @@ fn cylinders_are_held_from_all_round() {
 #[test]
 fn a_bottle_is_not_held_by_its_shoulder() {
     let bottle = "compound: [{cylinder: {radius: 0.033, height: 0.15}}, {cylinder: {radius: 0.0135, height: 0.08}, position: [0, 0, 0.115]}], position: [0.7, 0, 0.575]";
-    let (_, presets) = presets("panda", bottle);
+    let (_, presets) = presets(&arm("panda"), bottle);
     let heights: Vec<f64> = presets.grasps.iter().map(|g| g.object_from_tool.translation.z).collect();
     assert!(!heights.is_empty() && heights.iter().all(|z| *z < 0.065), "{heights:?}");
     assert!(presets.askew > 0);
@@ -85,7 +89,7 @@ fn a_bottle_is_not_held_by_its_shoulder() {
 fn what_cannot_be_held_firmly_is_held_all_the_same() {
     // A can lying on its side, as long as wide: the hand comes level and meets it round.
     let can = "cylinder: {radius: 0.03, height: 0.1}, position: [0.7, 0, 0.53], rpy: [1.5707963, 0, 0]";
-    let (world, presets) = presets("panda", can);
+    let (world, presets) = presets(&arm("panda"), can);
     let holding = declared(&world, ObjectId(0)).iter().filter(|(_, grasp)| grasp.is_some()).count();
     assert!(!presets.grasps.is_empty() && presets.grasps.len() + presets.askew == holding);
 }
