@@ -21,7 +21,10 @@ fn main() {
     let robot = Arc::new(Robot::load("ur10_ag95", here, &[]).expect("the built-in robot"));
     let began = Instant::now();
     let model = Arc::new(CollisionModel::new(robot));
-    println!("robot ready in {:.1} ms; the times below are from a scene to a complete plan", began.elapsed().as_secs_f64() * 1e3);
+    println!(
+        "robot ready in {:.1} ms; the times below are from a scene to a complete plan",
+        began.elapsed().as_secs_f64() * 1e3
+    );
     println!("objects  solved  removed  proved  median ms  p95 ms  task ms  motion ms  judged ms  motion s");
     for objects in [12, 16, 20] {
         let mut best = Vec::new();
@@ -47,7 +50,8 @@ fn main() {
             quantile(&column(|r| r.lasts), 0.5).unwrap_or(f64::NAN),
         );
         best.sort_by(|a, b| b.total.total_cmp(&a.total));
-        let worst: Vec<String> = best.iter().take(4).map(|r| format!("seed {}: {:.0} ms", r.seed, r.total * 1e3)).collect();
+        let worst: Vec<String> =
+            best.iter().take(4).map(|r| format!("seed {}: {:.0} ms", r.seed, r.total * 1e3)).collect();
         println!("         slowest: {}", worst.join(", "));
     }
 }

@@ -20,9 +20,10 @@ mod written;
 pub use clearway_collision::CollisionModel;
 pub use clearway_export as export;
 pub use clearway_files::FileError;
-pub use clearway_plan::event::{Event, Observer, Silent};
 pub use clearway_motion::{MotionPlanner, MotionProblem, MotionSettings, Surroundings};
+pub use clearway_plan::event::{Event, Observer, Silent};
 pub use clearway_plan::{Budget, MotionAnswer, MotionFile, PlanFile, RobotFile, SceneFile, Stop};
+pub use clearway_retrieval::occlusion::guess::Rule as LookRule;
 pub use clearway_retrieval::push::Pushes;
 pub use clearway_retrieval::{FirstLimit, Planner, Request, SceneDelta, Search, Settings, Unfit};
 pub use clearway_robot::Robot;
@@ -32,7 +33,6 @@ pub use clearway_simulate as simulate;
 pub use clearway_verify::{Report, VerifiedPlan, read_plan, verify, verify_file};
 pub use goal::solve_goal;
 pub use motion::{MotionOutcome, plan_motion};
-pub use clearway_retrieval::occlusion::guess::Rule as LookRule;
 pub use observed::solve_observed;
 pub use outcome::{Outcome, improve, solve};
 pub use written::{page, scene_meshes, to_json, with_meshes_relative_to};
@@ -44,8 +44,8 @@ pub mod pddl {
     pub use clearway_symbolic::engine::{Engine, FastDownward, Ferroplan};
     pub use clearway_symbolic::pddl::{Constant, Domain, Goal, Stream};
     pub use clearway_symbolic::problem::{Answer, Asked, retrieval};
-    pub use clearway_symbolic::telling::{check, check_goal, constants};
     pub use clearway_symbolic::search::Algorithm;
+    pub use clearway_symbolic::telling::{check, check_goal, constants};
     pub use clearway_symbolic::{DOMAIN, STREAMS, domain, streams};
 }
 

@@ -1,8 +1,8 @@
 //! Planned, verified, and only then called solved.
 
 use crate::written::with_meshes_relative_to;
-use clearway_plan::event::{Observer, Silent};
 use clearway_plan::PlanFile;
+use clearway_plan::event::{Observer, Silent};
 use clearway_plan::plan_file::Status;
 use clearway_plan::{Budget, Stop};
 use clearway_retrieval::{Planner, Request};
@@ -54,7 +54,13 @@ pub(crate) fn verified(plan: PlanFile, stopped: Option<Stop>, request: &Request,
 
 /// Spends more time on a better plan: fewer removals, until there are as few as its lower bound says are
 /// needed or none are found, and then, with other seeds, shorter motion. All are verified; the best is kept.
-pub fn improve(planner: &mut Planner, first: Box<VerifiedPlan>, request: &Request, spend: Duration, directory: &Path) -> Box<VerifiedPlan> {
+pub fn improve(
+    planner: &mut Planner,
+    first: Box<VerifiedPlan>,
+    request: &Request,
+    spend: Duration,
+    directory: &Path,
+) -> Box<VerifiedPlan> {
     let until = Instant::now() + spend;
     let mut best = first;
     let mut seed = request.seed;

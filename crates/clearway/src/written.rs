@@ -18,7 +18,8 @@ pub fn with_meshes_relative_to(mut plan: PlanFile, directory: &Path) -> PlanFile
 }
 
 fn relative(path: &Path, base: &Path) -> PathBuf {
-    let (path_parts, base_parts): (Vec<Component>, Vec<Component>) = (path.components().collect(), base.components().collect());
+    let (path_parts, base_parts): (Vec<Component>, Vec<Component>) =
+        (path.components().collect(), base.components().collect());
     let shared = path_parts.iter().zip(&base_parts).take_while(|(a, b)| a == b).count();
     let mut out: PathBuf = base_parts[shared..].iter().map(|_| Component::ParentDir).collect();
     out.extend(&path_parts[shared..]);

@@ -8,9 +8,9 @@ use clearway_plan::proof::{BarriersProof, GraspsProof};
 use clearway_plan::scene_file::{Body, BoxKeys, CylinderKeys, FORMAT, PlaceArea, PoseKeys, RobotPlacement};
 use clearway_plan::{ObjectId, ObjectSet, SceneFile};
 use clearway_retrieval::barriers::Barriers;
+use judged::found_wrong;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use judged::found_wrong;
 use serde_json::{Value, json};
 use std::collections::{HashSet, VecDeque};
 use std::path::Path;
@@ -48,7 +48,8 @@ fn shelf(height: f64, depth: f64, target: [f64; 2], others: &[[f64; 2]]) -> Scen
         cuboid("table", [0.54, 0.84, 0.03], [0.1, -0.82, 0.485]),
         cuboid("pedestal", [0.24, 0.24, 0.3], [0.0, 0.0, 0.15]),
     ];
-    let mut objects: Vec<Body> = others.iter().enumerate().map(|(i, at)| cylinder(&format!("o{i}"), RADIUS, TALL, *at)).collect();
+    let mut objects: Vec<Body> =
+        others.iter().enumerate().map(|(i, at)| cylinder(&format!("o{i}"), RADIUS, TALL, *at)).collect();
     objects.push(cylinder("target", RADIUS, TALL, target));
     SceneFile {
         format: FORMAT.to_owned(),
@@ -138,7 +139,9 @@ fn gets_out(scene: &Scene, depth: f64, gone: ObjectSet) -> bool {
     let far = 2.0 * RADIUS + CELL * CELL / RADIUS;
     let free = |at: (i64, i64)| {
         let [x, y] = centre(at);
-        y.abs() <= WIDTH / 2.0 - RADIUS && x <= FRONT + depth - RADIUS && standing.iter().all(|[a, b]| (a - x).hypot(b - y) >= far)
+        y.abs() <= WIDTH / 2.0 - RADIUS
+            && x <= FRONT + depth - RADIUS
+            && standing.iter().all(|[a, b]| (a - x).hypot(b - y) >= far)
     };
     let at = scene.objects[scene.target.index()].pose.translation;
     let first = (count(at.x - FRONT), count(at.y + WIDTH / 2.0));
@@ -172,7 +175,10 @@ fn random_places(random: &mut Xoshiro256PlusPlus, depth: f64, count: usize) -> V
 
 /// All sets of `size` of the first `count` objects.
 fn subsets(count: usize, size: usize) -> Vec<ObjectSet> {
-    (0..1u32 << count).filter(|bits| bits.count_ones() as usize == size).map(|bits| (0..count as u16).filter(|i| bits >> i & 1 == 1).map(ObjectId).collect()).collect()
+    (0..1u32 << count)
+        .filter(|bits| bits.count_ones() as usize == size)
+        .map(|bits| (0..count as u16).filter(|i| bits >> i & 1 == 1).map(ObjectId).collect())
+        .collect()
 }
 
 #[test]
@@ -185,7 +191,8 @@ fn floods_agree() {
         let barriers = Barriers::find(&scene, &Budget::unlimited()).expect("no limit");
         let bound = barriers.bound();
         let others = scene.objects.len() - 1;
-        let opened = |removed: usize| subsets(others, removed - 1).into_iter().any(|gone| gets_out(&scene, depth, gone));
+        let opened =
+            |removed: usize| subsets(others, removed - 1).into_iter().any(|gone| gets_out(&scene, depth, gone));
         if bound > 1 {
             assert!(!opened(bound - 1), "{} do, {bound} are said to be needed: {places:?}", bound - 1);
             barred += 1;

@@ -14,7 +14,9 @@ fn rows(text: &str) -> BTreeMap<String, Value> {
     for line in text.lines() {
         let mut row: Value = serde_json::from_str(line).expect("a row");
         row.as_object_mut().expect("an object").remove("timing");
-        let key = ["planner", "objects", "least_removals", "first_limit", "scene_seed", "seed"].map(|k| row[k].to_string()).join(" ");
+        let key = ["planner", "objects", "least_removals", "first_limit", "scene_seed", "seed"]
+            .map(|k| row[k].to_string())
+            .join(" ");
         assert!(all.insert(key, row).is_none(), "twice: {line}");
     }
     all
@@ -66,7 +68,9 @@ fn planners_agree_where_they_must() {
     let all = rows(&program.does("bench optimal --quick --time-limit 60").out);
     let of = |planner: &'static str| all.values().filter(move |row| row["planner"] == planner);
     let by_scene = |planner: &'static str| -> BTreeMap<u64, u64> {
-        of(planner).map(|row| (row["scene_seed"].as_u64().expect("a seed"), row["removed"].as_u64().expect("a count"))).collect()
+        of(planner)
+            .map(|row| (row["scene_seed"].as_u64().expect("a seed"), row["removed"].as_u64().expect("a count")))
+            .collect()
     };
     let (exact, brute) = (by_scene("exact"), by_scene("brute_force"));
     assert_eq!(exact.keys().collect::<Vec<_>>(), [&2001, &3001, &4001]);
@@ -77,7 +81,10 @@ fn planners_agree_where_they_must() {
     for row in of("clearway") {
         let (removed, bound) = (row["removed"].as_u64().expect("a count"), row["bound"].as_u64().expect("a bound"));
         assert!(bound <= removed && bound <= exact[&row["scene_seed"].as_u64().expect("a seed")], "{row}");
-        assert_eq!((row["verdict"].as_str(), row["order"].as_array().map(Vec::len)), (Some("valid"), Some(removed as usize)));
+        assert_eq!(
+            (row["verdict"].as_str(), row["order"].as_array().map(Vec::len)),
+            (Some("valid"), Some(removed as usize))
+        );
         assert_eq!(row["scene"].as_str().map(str::len), Some(64));
     }
 }

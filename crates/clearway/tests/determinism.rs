@@ -10,7 +10,8 @@ fn one_seed_one_plan_whatever_the_threads() {
     for objects in [12, 20] {
         program.does(&format!("generate shelf --objects {objects} --seed 4 -o scene.yaml"));
         let plan = |threads: usize| {
-            let done = program.run(&format!("plan scene.yaml --seed 7 --iterations 20 --threads {threads} -o plan.json"));
+            let done =
+                program.run(&format!("plan scene.yaml --seed 7 --iterations 20 --threads {threads} -o plan.json"));
             assert!(matches!(done.code, Some(0 | 4)), "{}", done.err);
             let mut plan = program.json("plan.json");
             plan.as_object_mut().expect("an object").remove("timing").expect("timing");

@@ -92,7 +92,10 @@ fn bad_scenes_are_2_with_their_line() {
         (shelf_with("  model: ur10_ag95", "  model: arms/mine.yaml"), "mine.yaml", "no such file"),
         (shelf_with("fixtures:\n", "  start:\n    elbow_joint: 9\nfixtures:\n"), "elbow_joint: 9", "elbow_joint"),
         (
-            shelf_with("fixtures:\n", "fixtures:\n- {id: post, box: {size: [0.2, 0.2, 0.2]}, position: [0.45, 0.16, 0.85]}\n"),
+            shelf_with(
+                "fixtures:\n",
+                "fixtures:\n- {id: post, box: {size: [0.2, 0.2, 0.2]}, position: [0.45, 0.16, 0.85]}\n",
+            ),
             "robot:",
             "touches fixture `post`",
         ),

@@ -25,15 +25,40 @@ const MAY_USE: [(&str, &[&str]); 17] = [
     (
         "experiments",
         &[
-            "geometry", "files", "plan", "robot", "scene", "collision", "motion", "retrieval", "symbolic", "verify", "scenarios",
-            "export", "viewer",
+            "geometry",
+            "files",
+            "plan",
+            "robot",
+            "scene",
+            "collision",
+            "motion",
+            "retrieval",
+            "symbolic",
+            "verify",
+            "scenarios",
+            "export",
+            "viewer",
         ],
     ),
     (
         "clearway",
         &[
-            "geometry", "files", "plan", "robot", "scene", "sight", "collision", "motion", "retrieval", "symbolic", "verify",
-            "scenarios", "simulate", "export", "viewer", "experiments",
+            "geometry",
+            "files",
+            "plan",
+            "robot",
+            "scene",
+            "sight",
+            "collision",
+            "motion",
+            "retrieval",
+            "symbolic",
+            "verify",
+            "scenarios",
+            "simulate",
+            "export",
+            "viewer",
+            "experiments",
         ],
     ),
 ];
@@ -69,7 +94,9 @@ fn no_arrow_that_is_not_in_the_table() {
     for (room, used) in arrows() {
         match allowed.get(room.as_str()) {
             None => wrong.push(format!("{room} is not in the table")),
-            Some(may) => wrong.extend(used.iter().filter(|u| !may.contains(&u.as_str())).map(|u| format!("{room} uses {u}"))),
+            Some(may) => {
+                wrong.extend(used.iter().filter(|u| !may.contains(&u.as_str())).map(|u| format!("{room} uses {u}")))
+            }
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

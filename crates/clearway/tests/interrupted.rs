@@ -47,7 +47,11 @@ fn planning_is_130_and_writes_nothing() {
 fn drawing_a_scene_is_130() {
     let program = Program::new();
     let before = program.files();
-    let done = interrupted(&program, "generate shelf --objects 80 --least-removals 80 -o scene.yaml", Duration::from_millis(500));
+    let done = interrupted(
+        &program,
+        "generate shelf --objects 80 --least-removals 80 -o scene.yaml",
+        Duration::from_millis(500),
+    );
     assert_eq!(done.code, Some(130), "{}", done.err);
     assert_eq!(program.files(), before);
 }
@@ -71,7 +75,8 @@ fn a_benchmark_is_130_and_keeps_its_rows() {
     let wall = r#"{"name": "wall", "position": [0.45, 0, 0], "half_extents": [0.3, 0.01, 0.1]}"#;
     let problem = |more: &str| format!(r#"{{"start": [1.0, 0.0], "goals": [[-1.0, 0.0]], "sphere": [{ball}]{more}}}"#);
     let rows = [problem(""), problem(""), problem(&format!(r#", "box": [{wall}]"#))].join(", ");
-    program.write("problems.json", &format!(r#"{{"joints": ["shoulder", "elbow"], "problems": {{"balls": [{rows}]}}}}"#));
+    program
+        .write("problems.json", &format!(r#"{{"joints": ["shoulder", "elbow"], "problems": {{"balls": [{rows}]}}}}"#));
     // The third problem has no answer, and all the time in the world.
     let arguments = "bench motion --robot arm.urdf --problems problems.json --repeats 1 --time-limit 600 --out results";
     let done = interrupted(&program, arguments, Duration::from_millis(1500));

@@ -97,7 +97,11 @@ fn false_proofs_are_refused() {
     };
     let target = proof.objects.iter().position(|o| o.object == plan.scene.target).expect("the target");
     let holding = |p: &GraspsProof, of: &dyn Fn(Option<&Vec<String>>) -> bool| {
-        let mut all = p.objects[target].grasps.iter().enumerate().flat_map(|(g, case)| (0..case.branches.len()).map(move |b| (g, b)));
+        let mut all = p.objects[target]
+            .grasps
+            .iter()
+            .enumerate()
+            .flat_map(|(g, case)| (0..case.branches.len()).map(move |b| (g, b)));
         all.find(|&(g, b)| of(p.objects[target].grasps[g].branches[b].blocked_by.as_ref())).expect("such a branch")
     };
     let (g, b) = holding(&proof, &|by| by.is_some_and(|by| !by.is_empty()));
@@ -107,13 +111,24 @@ fn false_proofs_are_refused() {
         ("one more", told(json!(proof), 4), "leaves open that 3 are enough"),
         ("no object", change(&|p| p.objects.clear()), "leaves open that 1 are enough"),
         ("a grasp less", change(&|p| drop(p.objects[target].grasps.pop())), "grasps are listed"),
-        ("a branch less", change(&|p| drop(p.objects[target].grasps[fixed].branches.remove(0))), "a posture is missing"),
+        (
+            "a branch less",
+            change(&|p| drop(p.objects[target].grasps[fixed].branches.remove(0))),
+            "a posture is missing",
+        ),
         ("another grasp", change(&|p| p.objects[target].grasps[0].position[2] += 0.01), "not the declared one"),
-        ("another posture", change(&|p| p.objects[target].grasps[g].branches[b].posture[3] += 0.01), "a posture is missing"),
+        (
+            "another posture",
+            change(&|p| p.objects[target].grasps[g].branches[b].posture[3] += 0.01),
+            "a posture is missing",
+        ),
         ("no way", change(&|p| p.objects[target].grasps[g].branches[b].blocked_by = None), "for good"),
         (
             "blocked by all",
-            change(&|p| p.objects[target].grasps[g].branches[b].blocked_by = Some(plan.scene.objects.iter().map(|o| o.id.clone()).filter(|o| *o != plan.scene.target).collect())),
+            change(&|p| {
+                p.objects[target].grasps[g].branches[b].blocked_by =
+                    Some(plan.scene.objects.iter().map(|o| o.id.clone()).filter(|o| *o != plan.scene.target).collect())
+            }),
             "is not in the way of",
         ),
         ("does not hold", change(&|p| p.objects[target].grasps[g].holds = false), "may hold the object"),

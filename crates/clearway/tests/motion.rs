@@ -32,7 +32,10 @@ fn a_path_and_a_trajectory() {
     assert_eq!((&answer["format"], &answer["status"]), (&"clearway-path/1".into(), &"solved".into()));
     assert_eq!(answer["joints"], json!(["shoulder", "elbow"]));
     let path = answer["path"].as_array().expect("rows");
-    assert_eq!((&path[0], &path[path.len() - 1], &answer["goal"]), (&json!([1.0, 0.0]), &json!([-1.0, 0.0]), &json!(0)));
+    assert_eq!(
+        (&path[0], &path[path.len() - 1], &answer["goal"]),
+        (&json!([1.0, 0.0]), &json!([-1.0, 0.0]), &json!(0))
+    );
     assert!(path.len() > 2 && answer["cost"].as_f64() > Some(2.0), "{answer}");
     let rows = |key: &str| answer["trajectory"][key].as_array().map_or(0, Vec::len);
     assert!(rows("times") > 20 && rows("times") == rows("positions"));
@@ -68,9 +71,19 @@ fn no_way_is_4_and_says_why() {
 fn bad_problems_are_2_with_their_line() {
     let program = with_arm();
     let cases = [
-        ("shoulder: 1.0", "shoulder: 3.5", "5:", "the start is out of limits: joint `shoulder` at 3.5, expected a value from -3 to 3"),
+        (
+            "shoulder: 1.0",
+            "shoulder: 3.5",
+            "5:",
+            "the start is out of limits: joint `shoulder` at 3.5, expected a value from -3 to 3",
+        ),
         ("shoulder: 1.0", "shoulder: 0.0", "5:", "the start is in collision: fore touches ball"),
-        ("[-1.0, 0.0]", "[0.0, 2.6]", "7:", "the goal is out of limits: joint `elbow` at 2.6, expected a value from -2.5 to 2.5"),
+        (
+            "[-1.0, 0.0]",
+            "[0.0, 2.6]",
+            "7:",
+            "the goal is out of limits: joint `elbow` at 2.6, expected a value from -2.5 to 2.5",
+        ),
         ("[-1.0, 0.0]", "[0.1, 0.0]", "7:", "the goal is in collision: fore touches ball"),
         ("radius: 0.1", "radius: .nan", "4:", "the radius of obstacle `ball` is NaN"),
         ("[0.8, 0.0, 0.0]", "[0.8, .inf, 0.0]", "4:", "position holds inf"),

@@ -3,7 +3,10 @@
 mod program;
 
 use clearway::scenarios::{self, Wanted};
-use clearway::{Budget, CollisionModel, LookRule, Outcome, PlanFile, Request, Robot, Scene, Settings, Silent, solve_observed, verify};
+use clearway::{
+    Budget, CollisionModel, LookRule, Outcome, PlanFile, Request, Robot, Scene, Settings, Silent, solve_observed,
+    verify,
+};
 use clearway_geometry::{Pose, Vec3};
 use clearway_plan::SceneFile;
 use clearway_retrieval::occlusion::simulated::SimulatedCamera;
@@ -33,7 +36,9 @@ fn request() -> Request {
 }
 
 fn solved(file: SceneFile, rule: LookRule) -> PlanFile {
-    match solve_observed(sound(file), model(), Settings::default(), rule, &request(), Path::new("."), &mut Silent).expect("a fit scene") {
+    match solve_observed(sound(file), model(), Settings::default(), rule, &request(), Path::new("."), &mut Silent)
+        .expect("a fit scene")
+    {
         Outcome::Solved(plan) => plan.into_inner(),
         other => panic!("{other:?}"),
     }
@@ -103,11 +108,14 @@ fn motions_through_hidden_space_are_found() {
     for seed in 1..=4 {
         let mut file = scene(8, seed);
         let camera = file.camera.take();
-        let mut planner = clearway::Planner::with_model(sound(file), model(), Settings::default()).expect("a fit scene");
+        let mut planner =
+            clearway::Planner::with_model(sound(file), model(), Settings::default()).expect("a fit scene");
         let mut plan = planner.plan(&request(), &mut Silent).plan;
         plan.scene.camera = camera;
         let all: Vec<String> = plan.scene.objects.iter().map(|o| o.id.clone()).collect();
-        plan.known = (0..plan.steps.len()).map(|step| clearway_plan::plan_file::Known { step, seen: all.clone(), ..Default::default() }).collect();
+        plan.known = (0..plan.steps.len())
+            .map(|step| clearway_plan::plan_file::Known { step, seen: all.clone(), ..Default::default() })
+            .collect();
         let told = found_wrong(&plan);
         assert!(told.contains("was in view"), "{told}");
         moved += usize::from(told.contains("which was not in view before"));
@@ -175,7 +183,8 @@ fn a_target_that_is_nowhere() {
 #[test]
 fn a_parallel_hand_among_neighbours() {
     let file = |enter_unseen: bool| {
-        let mut file = scenarios::shelf(&Wanted { objects: 12, seed: 2, least_removals: Some(2) }).expect("a scene").file;
+        let mut file =
+            scenarios::shelf(&Wanted { objects: 12, seed: 2, least_removals: Some(2) }).expect("a scene").file;
         let [position, look_at] = [[-0.15, 0.0, 1.0], [0.85, 0.0, 0.75]];
         file.camera = Some(clearway_plan::scene_file::Camera { position, look_at, fov: 1.5, enter_unseen });
         file
@@ -183,7 +192,15 @@ fn a_parallel_hand_among_neighbours() {
     let robot = Robot::load("ur10_ag95", Path::new("."), &[]).expect("the built-in robot");
     let model = Arc::new(CollisionModel::new(Arc::new(robot)));
     for enter_unseen in [false, true] {
-        let outcome = solve_observed(sound(file(enter_unseen)), model.clone(), Settings::default(), LookRule::Expected, &request(), Path::new("."), &mut Silent);
+        let outcome = solve_observed(
+            sound(file(enter_unseen)),
+            model.clone(),
+            Settings::default(),
+            LookRule::Expected,
+            &request(),
+            Path::new("."),
+            &mut Silent,
+        );
         assert!(matches!(outcome, Ok(Outcome::Solved(_))), "{outcome:?}");
     }
 }

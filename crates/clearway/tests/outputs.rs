@@ -54,7 +54,8 @@ fn a_read_only_directory_is_told() {
 #[test]
 fn a_reader_that_goes_away_is_no_error() {
     let program = Program::new();
-    let mut child = program.command("schema plan").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("spawned");
+    let mut child =
+        program.command("schema plan").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("spawned");
     let mut line = String::new();
     BufReader::new(child.stdout.take().expect("piped")).read_line(&mut line).expect("a line");
     let done = Done::of(child.wait_with_output().expect("ended"));

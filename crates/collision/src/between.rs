@@ -87,7 +87,8 @@ pub(crate) fn rows_clear<E: Exact>(
         }
         places.push(Place { q: row.clone(), frames });
     }
-    let mut settling = Settling { exact, step, questions, directions: &mut scratch.directions, places, stretches: Vec::new() };
+    let mut settling =
+        Settling { exact, step, questions, directions: &mut scratch.directions, places, stretches: Vec::new() };
     settling.rows() && settling.stretches()
 }
 
@@ -115,7 +116,11 @@ impl<E: Exact> Settling<'_, E> {
                 let (mut before, mut before_part) = (Moved::default(), 0.0);
                 for i in 0..=last {
                     let active = i < last && (asked(i) || asked(i + 1));
-                    let after = if active { self.moved(question, &self.places[i], &self.places[i + 1]) } else { Moved::default() };
+                    let after = if active {
+                        self.moved(question, &self.places[i], &self.places[i + 1])
+                    } else {
+                        Moved::default()
+                    };
                     if asked(i) {
                         let after_part = if i < last { part(i + 1) } else { 0.0 };
                         let room = (before.by * before_part + before.off).max(after.by * after_part + after.off);
@@ -142,7 +147,8 @@ impl<E: Exact> Settling<'_, E> {
     fn stretches(&mut self) -> bool {
         while let Some(Stretch { from, to, group, open }) = self.stretches.pop() {
             let (a, b) = (&self.places[from], &self.places[to]);
-            let mut middle = Place { q: a.q.iter().zip(&b.q).map(|(a, b)| (a + b) / 2.0).collect(), frames: Vec::new() };
+            let mut middle =
+                Place { q: a.q.iter().zip(&b.q).map(|(a, b)| (a + b) / 2.0).collect(), frames: Vec::new() };
             self.exact.place(&middle.q, &mut middle.frames);
             let mut left = 0_u64;
             for (bit, (question, _)) in self.questions.iter().skip(group * AT_ONCE).take(AT_ONCE).enumerate() {
@@ -154,7 +160,9 @@ impl<E: Exact> Settling<'_, E> {
                 if before.by + before.off + after.by + after.off <= self.step {
                     continue;
                 }
-                let near = |room: f64, directions: &mut Directions| self.exact.near(question, &middle.frames, room, directions);
+                let near = |room: f64, directions: &mut Directions| {
+                    self.exact.near(question, &middle.frames, room, directions)
+                };
                 let (half, other) = (before.by + before.off, after.by + after.off);
                 if near(half.max(other), self.directions) {
                     if near(0.0, self.directions) {

@@ -19,8 +19,8 @@ mod pairs;
 mod probe;
 mod query;
 mod quick;
-pub mod shapes;
 mod report;
+pub mod shapes;
 mod suspects;
 mod world;
 

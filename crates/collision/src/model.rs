@@ -75,7 +75,8 @@ impl CollisionModel {
             .map(|(index, link)| {
                 let hand = robot.hand.links.contains(&index);
                 let spheres = cover(&link.collision, if hand { HAND_CELL } else { ARM_CELL });
-                let costly = link.collision.parts.iter().any(|(_, c)| matches!(c, Convex::Hull(h) if h.points.len() > COSTLY));
+                let costly =
+                    link.collision.parts.iter().any(|(_, c)| matches!(c, Convex::Hull(h) if h.points.len() > COSTLY));
                 (!spheres.is_empty()).then(|| LinkBody {
                     parts: moving_parts(&link.collision, index * TAGS_PER_LINK),
                     bound: bounding_sphere(&spheres),
@@ -98,7 +99,14 @@ impl CollisionModel {
             None => crate::pairs::checked_pairs(&robot, &kinematics),
         };
         let link_reach = (0..links.len())
-            .map(|l| reach(&robot, &kinematics, l, links[l].as_ref().map_or(0.0, |b| b.bound.centre.length() + b.bound.radius)))
+            .map(|l| {
+                reach(
+                    &robot,
+                    &kinematics,
+                    l,
+                    links[l].as_ref().map_or(0.0, |b| b.bound.centre.length() + b.bound.radius),
+                )
+            })
             .collect();
         let tool_reach = reach(&robot, &kinematics, robot.hand.frame, 0.0);
         let group = Group::from(&*robot);
@@ -110,9 +118,16 @@ impl CollisionModel {
 
     /// The kernel of the robot with something in its hand: parts in the tool's frame.
     pub fn holding(&self, held: &Solid) -> Arc<Kernel> {
-        let hand: Vec<usize> = (0..self.links.len()).filter(|&l| self.links[l].as_ref().is_some_and(|l| l.hand)).collect();
+        let hand: Vec<usize> =
+            (0..self.links.len()).filter(|&l| self.links[l].as_ref().is_some_and(|l| l.hand)).collect();
         let spheres = cover(held, KERNEL_HELD_CELL);
-        let body = self.kernel.body.with_attached(&self.group, self.kinematics.tool, (held, &spheres), &hand, &BodySettings { still_aside: self.kernel.still.is_some(), ..body_settings() });
+        let body = self.kernel.body.with_attached(
+            &self.group,
+            self.kinematics.tool,
+            (held, &spheres),
+            &hand,
+            &BodySettings { still_aside: self.kernel.still.is_some(), ..body_settings() },
+        );
         Arc::new(self.kernel.with_body(body))
     }
 
@@ -130,7 +145,8 @@ fn body_settings() -> BodySettings {
 fn kernel(robot: &Robot, group: &Group, pairs: &[(usize, usize)]) -> Kernel {
     let links = robot.links.len();
     let width = |link: usize| if robot.hand.links.contains(&link) { KERNEL_HAND_CELL } else { KERNEL_ARM_CELL };
-    let spheres: Vec<Vec<Sphere>> = robot.links.iter().enumerate().map(|(i, l)| cover(&l.collision, width(i))).collect();
+    let spheres: Vec<Vec<Sphere>> =
+        robot.links.iter().enumerate().map(|(i, l)| cover(&l.collision, width(i))).collect();
     let all = (0..links).flat_map(|a| (a + 1..links).map(move |b| (a, b)));
     Kernel::of_covers(group, &spheres, all.filter(|pair| !pairs.contains(pair)).collect(), &body_settings())
 }

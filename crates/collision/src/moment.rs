@@ -92,6 +92,16 @@ impl Moment {
     }
 
     pub fn new(standing: ObjectSet, hand: f64, margin: f64) -> Self {
-        Self { standing, placed: Vec::new(), held: None, gripping: None, resting: false, lean: None, hand, margin, held_margin: margin }
+        Self {
+            standing,
+            placed: Vec::new(),
+            held: None,
+            gripping: None,
+            resting: false,
+            lean: None,
+            hand,
+            margin,
+            held_margin: margin,
+        }
     }
 }

@@ -78,8 +78,12 @@ pub struct Obstacle {
 impl Obstacle {
     /// `tag` is the first of as many as the solid has parts.
     pub fn new(solid: &Solid, root_from_solid: &Pose, tag: usize) -> Self {
-        let parts: Vec<PlacedPart> =
-            solid.parts.iter().enumerate().map(|(i, (pose, convex))| PlacedPart::new(*root_from_solid * *pose, convex.clone(), tag + i)).collect();
+        let parts: Vec<PlacedPart> = solid
+            .parts
+            .iter()
+            .enumerate()
+            .map(|(i, (pose, convex))| PlacedPart::new(*root_from_solid * *pose, convex.clone(), tag + i))
+            .collect();
         let balls: Vec<Sphere> =
             parts.iter().map(|p| Sphere { centre: p.root_from_part.translation, radius: p.radius }).collect();
         Self { parts, bound: clearway_robot::bounding_sphere(&balls), aabb: solid.aabb(*root_from_solid) }
@@ -106,13 +110,17 @@ impl Obstacle {
     /// Whether another obstacle comes closer than `margin`.
     pub fn near(&self, other: &Obstacle, margin: f64) -> bool {
         other.near_bound(self.bound.centre, self.bound.radius, margin)
-            && self.parts.iter().any(|p| other.parts.iter().any(|o| o.near_convex(&p.convex, &p.root_from_part, margin)))
+            && self
+                .parts
+                .iter()
+                .any(|p| other.parts.iter().any(|o| o.near_convex(&p.convex, &p.root_from_part, margin)))
     }
 
     /// How far this can surely go along a unit direction before it touches another, `most` at most; 0 where the two
     /// touch already. Metres.
     pub fn way_to(&self, other: &Obstacle, direction: Vec3, most: f64) -> f64 {
-        let swept = (self.aabb.0 + (direction * most).min(Vec3::ZERO), self.aabb.1 + (direction * most).max(Vec3::ZERO));
+        let swept =
+            (self.aabb.0 + (direction * most).min(Vec3::ZERO), self.aabb.1 + (direction * most).max(Vec3::ZERO));
         if !other.near_aabb(swept, 0.0) {
             return most;
         }

@@ -2,8 +2,8 @@
 //! far enough, for all postures that a given motion reaches from it: then none of those need be
 //! looked at. That is conservative advancement with a yes or no in place of a distance.
 
-use crate::moment::{Lean, Moment};
 use crate::directions::Directions;
+use crate::moment::{Lean, Moment};
 use crate::obstacle::{MovingPart, Obstacle};
 use crate::query::{SELF_MARGIN, Scratch, held_near, held_near_link, link_near, links_near};
 use crate::world::World;
@@ -96,11 +96,25 @@ impl World {
             let last = self.model.links.len();
             let root_from_object = frames[self.model.kinematics.tool] * held.tool_from_object;
             for part in held.parts.iter() {
-                check!(|s: &Slack| s.links[last], |more| self.held_near(part, &root_from_object, moment, held, more, directions));
+                check!(|s: &Slack| s.links[last], |more| self.held_near(
+                    part,
+                    &root_from_object,
+                    moment,
+                    held,
+                    more,
+                    directions
+                ));
                 for (index, link) in self.model.links.iter().enumerate() {
                     let Some(link) = link.as_ref().filter(|l| !l.hand) else { continue };
                     check!(|s: &Slack| s.links[last] + s.links[index], |more: f64| {
-                        held_near_link(part, &root_from_object, link, &frames[index], moment.held_margin + more, directions)
+                        held_near_link(
+                            part,
+                            &root_from_object,
+                            link,
+                            &frames[index],
+                            moment.held_margin + more,
+                            directions,
+                        )
                     });
                 }
             }
@@ -109,16 +123,37 @@ impl World {
             let Some(link) = link.as_ref().filter(|l| !l.still) else { continue };
             let (frame, centre) = (&frames[index], centres[index]);
             for fixture in &self.fixtures {
-                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, centre, fixture, moment.margin + more, directions));
+                check!(|s: &Slack| s.links[index], |more: f64| link_near(
+                    link,
+                    frame,
+                    centre,
+                    fixture,
+                    moment.margin + more,
+                    directions
+                ));
             }
             for id in moment.standing.iter() {
                 let margin = if link.hand && moment.gripping == Some(id) { 0.0 } else { moment.margin };
                 let object = &self.objects[id.index()];
-                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, centre, object, margin + more, directions));
+                check!(|s: &Slack| s.links[index], |more: f64| link_near(
+                    link,
+                    frame,
+                    centre,
+                    object,
+                    margin + more,
+                    directions
+                ));
             }
             for (id, placed) in &moment.placed {
                 let margin = if link.hand && moment.gripping == Some(*id) { 0.0 } else { moment.margin };
-                check!(|s: &Slack| s.links[index], |more: f64| link_near(link, frame, centre, placed, margin + more, directions));
+                check!(|s: &Slack| s.links[index], |more: f64| link_near(
+                    link,
+                    frame,
+                    centre,
+                    placed,
+                    margin + more,
+                    directions
+                ));
             }
         }
         for &(a, b) in &self.model.pairs {
@@ -158,8 +193,15 @@ impl World {
         let mut near = |o: &Obstacle, margin: f64| held_near(part, root_from_object, o, margin + more, directions);
         let resting = moment.resting;
         let below = if resting { held.objects_below } else { ObjectSet::EMPTY };
-        self.fixtures.iter().enumerate().any(|(i, f)| !(resting && held.fixtures_below.contains(&i)) && near(f, moment.held_margin_to_fixture(i)))
-            || moment.standing.difference(below.with(held.object)).iter().any(|id| near(&self.objects[id.index()], moment.held_margin_to_object(id)))
+        self.fixtures
+            .iter()
+            .enumerate()
+            .any(|(i, f)| !(resting && held.fixtures_below.contains(&i)) && near(f, moment.held_margin_to_fixture(i)))
+            || moment
+                .standing
+                .difference(below.with(held.object))
+                .iter()
+                .any(|id| near(&self.objects[id.index()], moment.held_margin_to_object(id)))
             || moment.placed.iter().any(|(id, o)| !below.contains(*id) && near(o, moment.held_margin))
     }
 }

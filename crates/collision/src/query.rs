@@ -1,9 +1,9 @@
 //! What does a posture touch? All of it, as a set.
 
 use crate::directions::Directions;
+use crate::model::LinkBody;
 use crate::moment::Moment;
 use crate::obstacle::{MovingPart, Obstacle};
-use crate::model::LinkBody;
 use crate::world::World;
 use clearway_geometry::{Pose, Vec3};
 use clearway_plan::ObjectSet;
@@ -90,10 +90,13 @@ impl World {
     /// Whether the moving links, or what is held, come closer to one obstacle than the moment's margins.
     pub fn meets(&self, at: &LinksAt, moment: &Moment, obstacle: &Obstacle, scratch: &mut Scratch) -> bool {
         let (LinksAt { frames, centres }, directions) = (at, &mut scratch.directions);
-        self.moving(frames, centres).any(|(link, frame, centre)| link_near(link, frame, centre, obstacle, moment.margin, directions))
+        self.moving(frames, centres)
+            .any(|(link, frame, centre)| link_near(link, frame, centre, obstacle, moment.margin, directions))
             || moment.held.as_ref().is_some_and(|held| {
                 let root_from_object = frames[self.model.kinematics.tool] * held.tool_from_object;
-                held.parts.iter().any(|part| held_near(part, &root_from_object, obstacle, moment.held_margin, directions))
+                held.parts
+                    .iter()
+                    .any(|part| held_near(part, &root_from_object, obstacle, moment.held_margin, directions))
             })
     }
 
@@ -103,10 +106,18 @@ impl World {
         self.held_meets_placed(moment, frames, directions, touched)
     }
 
-    fn held_meets_placed(&self, moment: &Moment, frames: &[Pose], directions: &mut Directions, touched: &mut ObjectSet) -> bool {
+    fn held_meets_placed(
+        &self,
+        moment: &Moment,
+        frames: &[Pose],
+        directions: &mut Directions,
+        touched: &mut ObjectSet,
+    ) -> bool {
         moment.held.as_ref().is_some_and(|held| {
             let root_from_object = frames[self.model.kinematics.tool] * held.tool_from_object;
-            held.parts.iter().any(|part| self.held_part_meets(part, &root_from_object, moment, frames, held, directions, touched))
+            held.parts
+                .iter()
+                .any(|part| self.held_part_meets(part, &root_from_object, moment, frames, held, directions, touched))
         })
     }
 
@@ -115,14 +126,21 @@ impl World {
     pub(crate) fn place_links(&self, posture: &[f64], hand: f64, scratch: &mut Scratch) {
         self.model.kinematics.frames(posture, hand, &mut scratch.frames);
         scratch.centres.clear();
-        let middle = |(link, frame): (&Option<LinkBody>, &Pose)| link.as_ref().map_or(Vec3::ZERO, |l| frame.point(l.bound.centre));
+        let middle = |(link, frame): (&Option<LinkBody>, &Pose)| {
+            link.as_ref().map_or(Vec3::ZERO, |l| frame.point(l.bound.centre))
+        };
         scratch.centres.extend(self.model.links.iter().zip(&scratch.frames).map(middle));
     }
 
     /// The links with shapes that move, with their frames and middles.
     #[inline]
-    fn moving<'a>(&'a self, frames: &'a [Pose], centres: &'a [Vec3]) -> impl Iterator<Item = (&'a LinkBody, &'a Pose, Vec3)> {
-        self.model.links
+    fn moving<'a>(
+        &'a self,
+        frames: &'a [Pose],
+        centres: &'a [Vec3],
+    ) -> impl Iterator<Item = (&'a LinkBody, &'a Pose, Vec3)> {
+        self.model
+            .links
             .iter()
             .zip(frames.iter().zip(centres))
             .filter_map(|(l, (f, c))| l.as_ref().filter(|l| !l.still).map(|l| (l, f, *c)))
@@ -142,10 +160,13 @@ impl World {
     ) -> bool {
         let margin = moment.held_margin;
         let aabb = part.convex.aabb(&(*root_from_object * part.pose));
-        let mut near =
-            |o: &Obstacle, margin: f64| o.near_aabb(aabb, margin) && held_near(part, root_from_object, o, margin, directions);
+        let mut near = |o: &Obstacle, margin: f64| {
+            o.near_aabb(aabb, margin) && held_near(part, root_from_object, o, margin, directions)
+        };
         for (index, fixture) in self.fixtures.iter().enumerate() {
-            if !(moment.resting && held.fixtures_below.contains(&index)) && near(fixture, moment.held_margin_to_fixture(index)) {
+            if !(moment.resting && held.fixtures_below.contains(&index))
+                && near(fixture, moment.held_margin_to_fixture(index))
+            {
                 return true;
             }
         }
@@ -159,7 +180,8 @@ impl World {
             }
         }
         self.model.links.iter().zip(frames).any(|(link, frame)| {
-            link.as_ref().is_some_and(|l| !l.hand && held_near_link(part, root_from_object, l, frame, margin, directions))
+            link.as_ref()
+                .is_some_and(|l| !l.hand && held_near_link(part, root_from_object, l, frame, margin, directions))
         })
     }
 
@@ -175,7 +197,13 @@ impl World {
 
 /// Whether a part of what is held comes closer to an obstacle than `margin`.
 #[inline]
-pub(crate) fn held_near(part: &MovingPart, frame: &Pose, obstacle: &Obstacle, margin: f64, directions: &mut Directions) -> bool {
+pub(crate) fn held_near(
+    part: &MovingPart,
+    frame: &Pose,
+    obstacle: &Obstacle,
+    margin: f64,
+    directions: &mut Directions,
+) -> bool {
     obstacle.near_bound(frame.point(part.pose.translation), part.radius, margin)
         && obstacle.parts.iter().any(|other| part.near(frame, other, margin, directions))
 }

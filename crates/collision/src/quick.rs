@@ -91,7 +91,9 @@ impl Quick {
                 _ if owner_link(number).is_some() => false,
                 Owner::Fixture(index) => held.fixtures_below.contains(&index),
                 Owner::Standing(id) => held.objects_below.contains(id),
-                Owner::Placed(index) => moment.placed.get(index).is_some_and(|(id, _)| held.objects_below.contains(*id)),
+                Owner::Placed(index) => {
+                    moment.placed.get(index).is_some_and(|(id, _)| held.objects_below.contains(*id))
+                }
             };
             let mut mask = Vec::new();
             obstacles.mask(below, &mut mask);
@@ -100,7 +102,17 @@ impl Quick {
         }
         let joints = vec![Lanes::ZERO; world.model.kinematics.arm_joints];
         let scratch = kernel.lend();
-        Self { kernel, obstacles, standing, margin: moment.margin as f32, hand: moment.hand as f32, upright, never, scratch, joints }
+        Self {
+            kernel,
+            obstacles,
+            standing,
+            margin: moment.margin as f32,
+            hand: moment.hand as f32,
+            upright,
+            never,
+            scratch,
+            joints,
+        }
     }
 
     /// Whether the posture is surely free.

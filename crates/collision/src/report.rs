@@ -1,9 +1,9 @@
 //! Contacts by name, for messages: slow, thorough.
 
 use crate::directions::Directions;
+use crate::model::LinkBody;
 use crate::moment::Moment;
 use crate::query::{link_near, links_near};
-use crate::model::LinkBody;
 use crate::world::World;
 use clearway_geometry::Pose;
 use clearway_scene::Scene;
@@ -26,7 +26,9 @@ impl Contact {
     /// What the link touches, by name.
     pub fn other(self) -> String {
         match self {
-            Contact::Links(_, other) | Contact::Fixture { fixture: other, .. } | Contact::Object { object: other, .. } => other,
+            Contact::Links(_, other)
+            | Contact::Fixture { fixture: other, .. }
+            | Contact::Object { object: other, .. } => other,
         }
     }
 }
@@ -53,7 +55,12 @@ impl World {
         let name = |i: usize| self.model.robot.links[i].name.clone();
         for &(a, b) in &self.model.pairs {
             if let (Some(la), Some(lb)) = (&self.model.links[a], &self.model.links[b])
-                && links_near((la, &frames[a], middle(la, &frames[a])), (lb, &frames[b], middle(lb, &frames[b])), margin, directions)
+                && links_near(
+                    (la, &frames[a], middle(la, &frames[a])),
+                    (lb, &frames[b], middle(lb, &frames[b])),
+                    margin,
+                    directions,
+                )
             {
                 contacts.push(Contact::Links(name(a), name(b)));
             }

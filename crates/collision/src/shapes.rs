@@ -37,7 +37,8 @@ pub const STEP: f64 = 5e-4;
 impl Shapes {
     /// `None` where all links are made of spheres: then the kernel's answers are exact.
     pub fn of(group: &Group, spheres: &[Vec<Sphere>]) -> Option<Shapes> {
-        let all_spheres = |l: &clearway_robot::Link| l.collision.parts.iter().all(|(_, c)| matches!(c, Convex::Sphere { .. }));
+        let all_spheres =
+            |l: &clearway_robot::Link| l.collision.parts.iter().all(|(_, c)| matches!(c, Convex::Sphere { .. }));
         if group.links.iter().all(all_spheres) {
             return None;
         }
@@ -88,7 +89,8 @@ impl<'a> Among<'a> {
             return false;
         }
         let obstacles = suspects.obstacles.iter().map(|s| (Asked::Obstacle(*s), s.lanes));
-        let questions: Vec<(Asked, u16)> = obstacles.chain(suspects.pairs.iter().map(|s| (Asked::Pair(*s), s.lanes))).collect();
+        let questions: Vec<(Asked, u16)> =
+            obstacles.chain(suspects.pairs.iter().map(|s| (Asked::Pair(*s), s.lanes))).collect();
         rows_clear(self, &questions, rows, STEP, scratch)
     }
 
@@ -117,7 +119,9 @@ impl Exact for Among<'_> {
         let more = more + STEP / 2.0;
         match question {
             Asked::Obstacle(s) => {
-                let (Some(link), Some(obstacle)) = (&self.shapes.links[s.link], self.obstacles.get(s.other)) else { return false };
+                let (Some(link), Some(obstacle)) = (&self.shapes.links[s.link], self.obstacles.get(s.other)) else {
+                    return false;
+                };
                 let frame = &frames[s.link];
                 link_near(link, frame, frame.point(link.bound.centre), obstacle, self.margin + more, directions)
             }

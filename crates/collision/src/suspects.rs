@@ -33,7 +33,14 @@ impl World {
 
     /// [`World::touched`], for a posture that is known to touch nothing but the suspects of its
     /// lane, what is held aside.
-    pub fn touched_among(&self, posture: &[f64], moment: &Moment, suspects: &Suspects, lane: usize, scratch: &mut Scratch) -> Touch {
+    pub fn touched_among(
+        &self,
+        posture: &[f64],
+        moment: &Moment,
+        suspects: &Suspects,
+        lane: usize,
+        scratch: &mut Scratch,
+    ) -> Touch {
         let of_lane = |s: &&Suspect| s.lanes >> lane & 1 == 1;
         if !suspects.any_in(lane) && moment.held.is_none() {
             return Touch::FREE;
@@ -90,7 +97,14 @@ impl World {
     /// Whether up to sixteen rows, and the straight lines between them, are free of `suspects`, which
     /// were found for these rows. A stretch in which nothing moves farther than `step` (metres) is
     /// taken to be free where its ends are.
-    pub fn rows_clear(&self, rows: &[Vec<f64>], moment: &Moment, suspects: &Suspects, step: f64, scratch: &mut Scratch) -> bool {
+    pub fn rows_clear(
+        &self,
+        rows: &[Vec<f64>],
+        moment: &Moment,
+        suspects: &Suspects,
+        step: f64,
+        scratch: &mut Scratch,
+    ) -> bool {
         if suspects.any_sure() {
             return false;
         }
@@ -103,9 +117,16 @@ impl World {
 /// A suspicion, to be asked exactly. A body is a link's index, or [`crate::CollisionModel::held_index`].
 #[derive(Clone, Copy)]
 enum Question<'a> {
-    Obstacle { body: usize, obstacle: &'a Obstacle, margin: f64 },
+    Obstacle {
+        body: usize,
+        obstacle: &'a Obstacle,
+        margin: f64,
+    },
     /// What is held comes last.
-    Pair { a: usize, b: usize },
+    Pair {
+        a: usize,
+        b: usize,
+    },
 }
 
 /// The world at a moment, with exact answers.

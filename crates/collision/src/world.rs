@@ -132,7 +132,8 @@ impl World {
         self.carriers = ids.map(|id| self.below(id, &self.poses[id.index()])).collect();
         self.close = (0..self.objects.len()).map(|i| Arc::new(self.nearer(i, scene.clearance()))).collect();
         let all = self.fixtures.iter().chain(&self.objects).enumerate();
-        self.obstacles = Arc::new(Obstacles::new(all.flat_map(|(i, o)| pieces(o, i)).chain(self.still_links()).collect()));
+        self.obstacles =
+            Arc::new(Obstacles::new(all.flat_map(|(i, o)| pieces(o, i)).chain(self.still_links()).collect()));
         self.never = Arc::new(self.never());
     }
 
@@ -152,8 +153,13 @@ impl World {
             (0..model.links.len()).map(|link| if near(link) { self.never_touched(link) } else { Vec::new() }).collect();
         let mask = |link: usize| {
             let mut mask = Vec::new();
-            let unchecked = |other: usize| !model.kernel.still.as_ref().is_some_and(|still| still.contains(&(link.min(other), link.max(other))));
-            self.obstacles.mask(|owner| owner_link(owner).map_or_else(|| apart[link].contains(&(owner as usize)), unchecked), &mut mask);
+            let unchecked = |other: usize| {
+                !model.kernel.still.as_ref().is_some_and(|still| still.contains(&(link.min(other), link.max(other))))
+            };
+            self.obstacles.mask(
+                |owner| owner_link(owner).map_or_else(|| apart[link].contains(&(owner as usize)), unchecked),
+                &mut mask,
+            );
             mask
         };
         let masks: Vec<Vec<u16>> = (0..model.links.len()).map(mask).collect();
@@ -215,7 +221,8 @@ impl World {
         let placed = self.placed(ObjectId(object as u16), &self.poses[object]);
         let room = |other: &Obstacle| {
             let near = other.near_bound(placed.bound.centre, placed.bound.radius, clearance);
-            let apart = |p: &PlacedPart, o: &PlacedPart| distance(&p.convex, &p.root_from_part, &o.convex, &o.root_from_part);
+            let apart =
+                |p: &PlacedPart, o: &PlacedPart| distance(&p.convex, &p.root_from_part, &o.convex, &o.root_from_part);
             let to = |o: &PlacedPart| placed.parts.iter().map(|p| apart(p, o)).fold(f64::INFINITY, f64::min);
             let gap = near.then(|| other.parts.iter().map(to).fold(f64::INFINITY, f64::min));
             gap.filter(|gap| *gap < clearance).map(|gap| (gap - ROUNDING).max(0.0))
@@ -224,13 +231,26 @@ impl World {
             return Close::default();
         }
         Close {
-            fixtures: self.fixtures.iter().enumerate().filter_map(|(i, f)| Some((i, room(f)?))).filter(|(i, _)| !self.carriers[object].0.contains(i)).collect(),
-            objects: (0..self.objects.len()).filter(|o| *o != object).filter_map(|o| Some((ObjectId(o as u16), room(&self.objects[o])?))).collect(),
+            fixtures: self
+                .fixtures
+                .iter()
+                .enumerate()
+                .filter_map(|(i, f)| Some((i, room(f)?)))
+                .filter(|(i, _)| !self.carriers[object].0.contains(i))
+                .collect(),
+            objects: (0..self.objects.len())
+                .filter(|o| *o != object)
+                .filter_map(|o| Some((ObjectId(o as u16), room(&self.objects[o])?)))
+                .collect(),
         }
     }
 
     /// Among what was put down, what an object hides: a moment in which it is in hand.
-    pub fn with_unseen(&self, mut placed: Vec<(ObjectId, Arc<Obstacle>)>, object: ObjectId) -> Vec<(ObjectId, Arc<Obstacle>)> {
+    pub fn with_unseen(
+        &self,
+        mut placed: Vec<(ObjectId, Arc<Obstacle>)>,
+        object: ObjectId,
+    ) -> Vec<(ObjectId, Arc<Obstacle>)> {
         placed.extend(self.unseen[object.index()].iter().map(|unseen| (object, unseen.clone())));
         placed
     }
@@ -256,9 +276,10 @@ impl World {
         let bound = self.objects[object.index()].bound;
         let centre = root_from_object.point(self.poses[object.index()].inverse_point(bound.centre));
         let touches = |pose: &Pose| {
-            self.solids[object.index()].parts.iter().any(|(part, convex)| {
-                other.parts.iter().any(|p| p.near_convex(convex, &(*pose * *part), NEAR))
-            })
+            self.solids[object.index()]
+                .parts
+                .iter()
+                .any(|(part, convex)| other.parts.iter().any(|p| p.near_convex(convex, &(*pose * *part), NEAR)))
         };
         other.near_bound(centre, bound.radius + RAISED, NEAR) && touches(root_from_object) && !touches(&raised)
     }

@@ -30,10 +30,14 @@ fn rows_are_clear_exactly_when_dense_samples_are() {
     while clear < 150 || touched < 150 {
         // The hand goes straight past some object, near enough to be suspected.
         let object = ObjectId(random.random_range(0..scene.objects.len() as u16));
-        let mut near = |by: f64| Vec3::new(random.random::<f64>() - 0.5, random.random::<f64>() - 0.5, random.random::<f64>() - 0.5) * by;
+        let mut near = |by: f64| {
+            Vec3::new(random.random::<f64>() - 0.5, random.random::<f64>() - 0.5, random.random::<f64>() - 0.5) * by
+        };
         let about = world.poses[object.index()].translation - world.up() * 0.02;
         let (from, way) = (about + near(0.25), near(0.2));
-        let turn = Pose::from_rpy([-std::f64::consts::FRAC_PI_2, 0.0, near(1.0).x - std::f64::consts::FRAC_PI_2], Vec3::ZERO).rotation;
+        let turn =
+            Pose::from_rpy([-std::f64::consts::FRAC_PI_2, 0.0, near(1.0).x - std::f64::consts::FRAC_PI_2], Vec3::ZERO)
+                .rotation;
         let Some(first) = inverse.solve(&Pose::new(turn, from), &robot.home).into_iter().next() else { continue };
         let mut rows = vec![first];
         while rows.len() < LANES {
@@ -54,7 +58,7 @@ fn rows_are_clear_exactly_when_dense_samples_are() {
                 fixtures_below: Vec::new(),
                 objects_below: ObjectSet::EMPTY,
                 close: Arc::default(),
-        kernel: None,
+                kernel: None,
             };
             held.kernel = Some(world.model.holding(&held.solid()));
             moment.held = Some(held);

@@ -104,7 +104,8 @@ fn nothing_is_touched_that_the_kernel_does_not_suspect() {
         for margin in [0.0004, 0.002, 0.02] {
             let moment = Moment::new(ObjectSet::first(scene.objects.len()), model.robot.hand.open(), margin);
             let nothing = Moment::new(ObjectSet::EMPTY, model.robot.hand.open(), margin);
-            let (mut quick, mut scratch, mut suspects) = (Quick::new(&world, &moment), Scratch::default(), Suspects::default());
+            let (mut quick, mut scratch, mut suspects) =
+                (Quick::new(&world, &moment), Scratch::default(), Suspects::default());
             for _ in 0..1500 {
                 let q = posture(&model, &mut random);
                 quick.suspects(std::slice::from_ref(&q), &mut suspects);

@@ -3,9 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use clearway_collision::lanes::exact::{Contact, contact, unchecked_pairs};
-use clearway_collision::lanes::{
-    Around, Body, Kernel, LANES, Lanes, Obstacles, Piece, Settings, Suspects, levels,
-};
+use clearway_collision::lanes::{Around, Body, Kernel, LANES, Lanes, Obstacles, Piece, Settings, Suspects, levels};
 use clearway_geometry::distance::closer_than;
 use clearway_geometry::hull::convex_hull;
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
@@ -42,7 +40,8 @@ fn leave_out_neighbours(group: &Group, spheres: &[Vec<Sphere>], unchecked: &mut 
     const POSTURES: usize = 200;
     for _ in 0..POSTURES {
         let range = |j: usize| group.range(j);
-        let q: Vec<f64> = (0..group.lower.len()).map(|j| range(j).0 + (range(j).1 - range(j).0) * random.random::<f64>()).collect();
+        let q: Vec<f64> =
+            (0..group.lower.len()).map(|j| range(j).0 + (range(j).1 - range(j).0) * random.random::<f64>()).collect();
         let mut found = unchecked.clone();
         while let Some(Contact::Links(a, b)) = contact(group, spheres, &found, &[], &q, 0.0) {
             *often.entry((a, b)).or_insert(0) += 1;
@@ -93,10 +92,9 @@ fn obstacles(random: &mut impl Rng) -> Vec<(Pose, Convex)> {
 }
 
 fn index(shapes: &[(Pose, Convex)]) -> (Obstacles, Vec<u16>) {
-    let pieces = shapes
-        .iter()
-        .enumerate()
-        .flat_map(|(i, (pose, convex))| Piece::of_solid(&Solid::new(convex.clone()), pose, i as u32).collect::<Vec<_>>());
+    let pieces = shapes.iter().enumerate().flat_map(|(i, (pose, convex))| {
+        Piece::of_solid(&Solid::new(convex.clone()), pose, i as u32).collect::<Vec<_>>()
+    });
     let obstacles = Obstacles::new(pieces.collect());
     let mut standing = Vec::new();
     obstacles.mask(|_| true, &mut standing);
@@ -123,10 +121,12 @@ fn a_configuration_is_free_exactly_when_no_sphere_touches() {
                 let kernel = Kernel::at_level(case.body.clone(), level);
                 let mut scratch = kernel.scratch();
                 let q = posture(&case, &mut random);
-                let said = kernel.configurations_free(&lanes(&q), &around(&case, &indexed, &standing), &mut scratch) != 0;
+                let said =
+                    kernel.configurations_free(&lanes(&q), &around(&case, &indexed, &standing), &mut scratch) != 0;
                 let touches = |margin| contact(&case.group, &case.spheres, &case.unchecked, &shapes, &q, margin);
                 // The root's own link is not moved by the kernel; it is the same in every posture.
-                let of_root = |c: Contact| matches!(c, Contact::Obstacle(l, _) if case.group.kinematics.moved_by[l] == 0);
+                let of_root =
+                    |c: Contact| matches!(c, Contact::Obstacle(l, _) if case.group.kinematics.moved_by[l] == 0);
                 if said {
                     let found = touches(-1e-5).filter(|c| !of_root(*c));
                     assert!(found.is_none(), "{} round {round} {level:?}: {found:?} at {q:?}", case.group.robot);
@@ -158,9 +158,8 @@ fn a_free_motion_is_free_between_its_samples_and_clear_motions_are_free() {
             let first = |margin: f64| {
                 (0..=samples).find_map(|i| {
                     let q = at(i as f64 / samples as f64);
-                    contact(&case.group, &case.spheres, &case.unchecked, &shapes, &q, margin).filter(
-                        |c| !matches!(c, Contact::Obstacle(l, _) if case.group.kinematics.moved_by[*l] == 0),
-                    )
+                    contact(&case.group, &case.spheres, &case.unchecked, &shapes, &q, margin)
+                        .filter(|c| !matches!(c, Contact::Obstacle(l, _) if case.group.kinematics.moved_by[*l] == 0))
                 })
             };
             let mut answers = Vec::new();
@@ -197,7 +196,12 @@ fn each_suspected(seed: u64, mut check: impl FnMut(&Case, &[(Pose, Convex)], &[V
             let (indexed, standing) = index(&shapes);
             let configurations: Vec<Vec<f64>> = (0..LANES).map(|_| posture(&case, &mut random)).collect();
             let mut suspects = Suspects::default();
-            kernel.configurations_suspects(&configurations, &around(&case, &indexed, &standing), &mut scratch, &mut suspects);
+            kernel.configurations_suspects(
+                &configurations,
+                &around(&case, &indexed, &standing),
+                &mut scratch,
+                &mut suspects,
+            );
             check(&case, &shapes, &configurations, &suspects);
         }
     }
@@ -217,9 +221,10 @@ fn suspects_hold_all_that_touches() {
                     alone[link] = case.spheres[link].clone();
                     let one = std::slice::from_ref(shape);
                     if contact(&case.group, &alone, &case.unchecked, one, q, 0.0).is_some() {
-                        let known = suspects.obstacles.iter().any(|s| {
-                            s.link == link && s.other == number && s.lanes >> lane & 1 == 1
-                        });
+                        let known = suspects
+                            .obstacles
+                            .iter()
+                            .any(|s| s.link == link && s.other == number && s.lanes >> lane & 1 == 1);
                         assert!(known, "{} touches {number} at {q:?}", case.group.links[link].name);
                         found += 1;
                     }

@@ -114,7 +114,8 @@ fn what_a_probe_calls_free_around_is_free_around() {
         }
         around += 1;
         for _ in 0..20 {
-            let near: Vec<f64> = q.iter().zip(&joints).map(|(q, d)| q + d * (2.0 * random.random::<f64>() - 1.0)).collect();
+            let near: Vec<f64> =
+                q.iter().zip(&joints).map(|(q, d)| q + d * (2.0 * random.random::<f64>() - 1.0)).collect();
             assert!(world.free(&near, &moment, &mut scratch), "{q:?} {near:?}");
         }
     }

@@ -31,7 +31,9 @@ fn no_bound_is_above_the_optimum() {
         let plan = planner.plan(&Request::new(1, budget), &mut Silent).plan;
         let unlimited = Budget::unlimited();
         let ways = planner.feasibility().frozen(&unlimited).expect("no limit");
-        let Fewest::Found(set) = order::fewest(&ways, &[], target, usize::MAX, 1_000_000, &unlimited).expect("no limit") else {
+        let Fewest::Found(set) =
+            order::fewest(&ways, &[], target, usize::MAX, 1_000_000, &unlimited).expect("no limit")
+        else {
             continue;
         };
         known += 1;
@@ -42,6 +44,8 @@ fn no_bound_is_above_the_optimum() {
         equal += u64::from(bound.removed == set.len());
         fewest += u64::from(plan.removed.len() == set.len());
     }
-    println!("{scenes} scenes, optimum known in {known}, planned {planned}: bound equal in {equal}, plan equal in {fewest}");
+    println!(
+        "{scenes} scenes, optimum known in {known}, planned {planned}: bound equal in {equal}, plan equal in {fewest}"
+    );
     assert!(known * 10 >= scenes * 8 && equal * 2 > planned, "{known} {planned} {equal}");
 }

@@ -81,8 +81,10 @@ fn unwritable(path: &Path, error: &io::Error) -> FileError {
             FileError::new(path, "cannot be written: its directory does not exist")
                 .help(format!("create it first: mkdir -p {}", parent.display()))
         }
-        io::ErrorKind::NotADirectory => FileError::new(path, "cannot be written: what should be its directory is a file")
-            .help("choose another name"),
+        io::ErrorKind::NotADirectory => {
+            FileError::new(path, "cannot be written: what should be its directory is a file")
+                .help("choose another name")
+        }
         io::ErrorKind::ReadOnlyFilesystem => FileError::new(path, "cannot be written: the file system is read-only")
             .help("choose a directory that you may write to"),
         io::ErrorKind::PermissionDenied => FileError::new(path, "cannot be written: permission denied")

@@ -7,12 +7,22 @@ use std::sync::Arc;
 /// A convex shape in its own frame, which sits at its centre.
 #[derive(Clone, Debug)]
 pub enum Convex {
-    Sphere { radius: f64 },
+    Sphere {
+        radius: f64,
+    },
     /// `half` is half the height of the cylindrical part, the caps not counted; along z.
-    Capsule { radius: f64, half: f64 },
+    Capsule {
+        radius: f64,
+        half: f64,
+    },
     /// `half` is half the full height; along z.
-    Cylinder { radius: f64, half: f64 },
-    Box { half: DVec3 },
+    Cylinder {
+        radius: f64,
+        half: f64,
+    },
+    Box {
+        half: DVec3,
+    },
     Hull(Arc<Hull>),
 }
 
@@ -39,11 +49,9 @@ impl Convex {
                 let side = direction.truncate().normalize_or_zero() * *radius;
                 DVec3::new(side.x, side.y, half.copysign(direction.z))
             }
-            Convex::Box { half } => DVec3::new(
-                half.x.copysign(direction.x),
-                half.y.copysign(direction.y),
-                half.z.copysign(direction.z),
-            ),
+            Convex::Box { half } => {
+                DVec3::new(half.x.copysign(direction.x), half.y.copysign(direction.y), half.z.copysign(direction.z))
+            }
             Convex::Hull(hull) => {
                 let mut best = hull.points[0];
                 let mut most = best.dot(direction);
@@ -129,7 +137,10 @@ impl Solid {
     /// How deep a point lies inside one of the parts: a ball of this radius about it is part of the
     /// solid. Negative outside of all.
     pub fn depth(&self, p: DVec3) -> f64 {
-        self.parts.iter().map(|(pose, convex)| -convex.point_distance(pose.inverse_point(p))).fold(f64::NEG_INFINITY, f64::max)
+        self.parts
+            .iter()
+            .map(|(pose, convex)| -convex.point_distance(pose.inverse_point(p)))
+            .fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The axis-aligned box `(min, max)` that holds the solid placed at `world_from_solid`.
@@ -163,7 +174,10 @@ mod tests {
                 let (min, max) = shape.aabb(&pose);
                 for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
                     let far = |d: DVec3| pose.point(shape.support(back * d)).dot(d);
-                    assert!((far(axis) - max.dot(axis)).abs() < 1e-9 && (far(-axis) + min.dot(axis)).abs() < 1e-9, "{shape:?}");
+                    assert!(
+                        (far(axis) - max.dot(axis)).abs() < 1e-9 && (far(-axis) + min.dot(axis)).abs() < 1e-9,
+                        "{shape:?}"
+                    );
                 }
             }
         }

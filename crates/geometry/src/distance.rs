@@ -281,7 +281,10 @@ mod tests {
 
     #[test]
     fn agrees_with_parry() {
-        use parry3d_f64::{math::{Pose as Iso, Rotation, Vector}, query, shape};
+        use parry3d_f64::{
+            math::{Pose as Iso, Rotation, Vector},
+            query, shape,
+        };
         let mut draw = Draw(7);
         let (mut apart, mut overlapping) = (0, 0);
         for _ in 0..4000 {

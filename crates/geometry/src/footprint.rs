@@ -203,7 +203,8 @@ mod tests {
         assert!((cylinder.radius - 0.04).abs() < 1e-12 && cylinder.centre.distance(DVec2::new(0.3, -0.2)) < 1e-12);
         // Within another one it takes the long way round.
         let parts = vec![Convex::Cylinder { radius: 0.04, half: 0.1 }, Convex::Sphere { radius: 0.01 }];
-        let nested = enclosing_circle(&Solid { parts: parts.into_iter().map(|c| (Pose::IDENTITY, c)).collect() }, &pose);
+        let nested =
+            enclosing_circle(&Solid { parts: parts.into_iter().map(|c| (Pose::IDENTITY, c)).collect() }, &pose);
         assert!((nested.radius - 0.04).abs() < 1e-5 && nested.centre.distance(cylinder.centre) < 1e-5);
         let turned = pose * Pose::from_rpy([0.0, 0.0, 0.4], Vec3::ZERO);
         let half = Vec3::new(0.03, 0.04, 0.2);

@@ -25,8 +25,7 @@ pub fn convex_hull(points: &[DVec3]) -> Result<Hull, HullError> {
         return Err(HullError::Flat);
     }
     let theirs: Vec<Vector> = points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect();
-    let (vertices, triangles) =
-        parry3d_f64::transformation::try_convex_hull(&theirs).map_err(|_| HullError::Flat)?;
+    let (vertices, triangles) = parry3d_f64::transformation::try_convex_hull(&theirs).map_err(|_| HullError::Flat)?;
     let points: Vec<DVec3> = vertices.iter().map(|v| DVec3::new(v.x, v.y, v.z)).collect();
     let centre = points.iter().sum::<DVec3>() / points.len() as f64;
     let size = points.iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
@@ -57,7 +56,9 @@ pub fn convex_hull(points: &[DVec3]) -> Result<Hull, HullError> {
 /// their two widest ones is looked at.
 fn is_flat(points: &[DVec3]) -> bool {
     let first = points[0];
-    let far = |score: &dyn Fn(&DVec3) -> f64| points.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b))).unwrap_or(first);
+    let far = |score: &dyn Fn(&DVec3) -> f64| {
+        points.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b))).unwrap_or(first)
+    };
     let second = far(&|p| p.distance(first));
     let along = (second - first).normalize_or_zero();
     let third = far(&|p| (*p - first).cross(along).length());
@@ -133,8 +134,18 @@ mod tests {
     fn cube(offset: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let v = (0..8).map(|i| offset + DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64)).collect();
         let t = vec![
-            [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
-            [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+            [0, 2, 1],
+            [1, 2, 3],
+            [4, 5, 6],
+            [5, 7, 6],
+            [0, 1, 4],
+            [1, 5, 4],
+            [2, 6, 3],
+            [3, 6, 7],
+            [0, 4, 2],
+            [2, 4, 6],
+            [1, 3, 5],
+            [3, 7, 5],
         ];
         (v, t)
     }

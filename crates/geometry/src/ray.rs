@@ -100,7 +100,8 @@ mod tests {
 
     #[test]
     fn agrees_with_small_steps() {
-        let corners: Vec<DVec3> = (0..8).map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) - 0.5).collect();
+        let corners: Vec<DVec3> =
+            (0..8).map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) - 0.5).collect();
         let shapes = [
             Convex::Sphere { radius: 0.4 },
             Convex::Box { half: DVec3::new(0.3, 0.5, 0.2) },
@@ -127,7 +128,9 @@ mod tests {
                     (None, None) => missed += 1,
                     // Along the surface.
                     _ => {
-                        let nearest = (0..4000).map(|i| shape.point_distance(origin + direction * (f64::from(i) * 1e-3))).fold(f64::INFINITY, f64::min);
+                        let nearest = (0..4000)
+                            .map(|i| shape.point_distance(origin + direction * (f64::from(i) * 1e-3)))
+                            .fold(f64::INFINITY, f64::min);
                         assert!(nearest.abs() < 2e-3, "{shape:?} {origin} {direction}: {found:?} {stepped:?}");
                     }
                 }

@@ -22,9 +22,7 @@ impl Convex {
                 let d = point.abs() - *half;
                 d.max(DVec3::ZERO).length() + d.max_element().min(0.0)
             }
-            Convex::Hull(hull) => {
-                hull.planes.iter().map(|(n, d)| n.dot(point) - d).fold(f64::NEG_INFINITY, f64::max)
-            }
+            Convex::Hull(hull) => hull.planes.iter().map(|(n, d)| n.dot(point) - d).fold(f64::NEG_INFINITY, f64::max),
         }
     }
 }

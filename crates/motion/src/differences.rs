@@ -16,9 +16,8 @@ pub fn slowdowns(times: &[f64], rows: &[f64], limits: &Limits) -> Vec<f64> {
     t.extend([*last; 2]);
     let row = |i: usize| i.saturating_sub(2).min(times.len() - 1);
     let per = |from: usize, span: usize| if t[from + span] > t[from] { 1.0 / (t[from + span] - t[from]) } else { 0.0 };
-    let by: Vec<[f64; 3]> = (0..joints)
-        .map(|j| [1.0 / limits.velocity[j], 2.0 / limits.acceleration[j], 6.0 / limits.jerk[j]])
-        .collect();
+    let by: Vec<[f64; 3]> =
+        (0..joints).map(|j| [1.0 / limits.velocity[j], 2.0 / limits.acceleration[j], 6.0 / limits.jerk[j]]).collect();
     let mut all = vec![0.0f64; times.len()];
     let mut note = |at: usize, factor: f64| all[row(at)] = all[row(at)].max(factor);
     // Of each joint: the differences of first and second order that ended at the row before.

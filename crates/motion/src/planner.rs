@@ -143,7 +143,9 @@ impl MotionPlanner {
         if q.len() != self.group.names.len() {
             return Some(format!("{} values for {} joints", q.len(), self.group.names.len()));
         }
-        for ((name, v), (low, high)) in self.group.names.iter().zip(q).zip(self.group.lower.iter().zip(&self.group.upper)) {
+        for ((name, v), (low, high)) in
+            self.group.names.iter().zip(q).zip(self.group.lower.iter().zip(&self.group.upper))
+        {
             if !(*low - ROUNDING..=*high + ROUNDING).contains(v) {
                 return Some(format!("joint {name} at {v} is out of its limits, {low} to {high}"));
             }
@@ -159,7 +161,9 @@ impl MotionPlanner {
         };
         Some(match found? {
             Contact::Links(a, b) => format!("in collision: {} touches {}", link(a), link(b)),
-            Contact::Obstacle(l, number) => format!("in collision: {} touches {}", link(l), around.obstacles[number].name),
+            Contact::Obstacle(l, number) => {
+                format!("in collision: {} touches {}", link(l), around.obstacles[number].name)
+            }
         })
     }
 
@@ -189,7 +193,9 @@ impl MotionPlanner {
     ) -> Result<Option<Solution>, Stop> {
         let started = Instant::now();
         let mut sampler = Halton::near_ends(space, settings.skip, start, goals);
-        let Some(path) = connect(space, start, goals, &mut sampler, &settings.rrt, trees, budget)? else { return Ok(None) };
+        let Some(path) = connect(space, start, goals, &mut sampler, &settings.rrt, trees, budget)? else {
+            return Ok(None);
+        };
         let plan = started.elapsed();
         let started = Instant::now();
         let initial_cost = length(&path);

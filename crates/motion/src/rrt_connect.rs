@@ -88,7 +88,8 @@ pub fn connect(
             budget.check()?;
         }
         sampler.sample(sample);
-        let (tree, other) = if forward { (&mut *from_start, &mut *from_goal) } else { (&mut *from_goal, &mut *from_start) };
+        let (tree, other) =
+            if forward { (&mut *from_start, &mut *from_goal) } else { (&mut *from_goal, &mut *from_start) };
         let (nearest, distance) = tree.nearest(sample);
         if distance > tree.domains[nearest] || distance == 0.0 {
             continue;
@@ -123,7 +124,13 @@ pub fn connect(
 }
 
 /// Steps of equal length from the tree's nearest node towards `target` until it is reached.
-fn reach(validator: &mut impl MotionValidator, tree: &mut Tree, target: &[f64], range: f64, new: &mut [f64]) -> Option<usize> {
+fn reach(
+    validator: &mut impl MotionValidator,
+    tree: &mut Tree,
+    target: &[f64],
+    range: f64,
+    new: &mut [f64],
+) -> Option<usize> {
     let (mut at, distance) = tree.nearest(target);
     let steps = (distance / range).ceil().max(1.0) as usize;
     for left in (1..=steps).rev() {

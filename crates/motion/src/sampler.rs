@@ -28,8 +28,8 @@ struct Radical {
 /// Enough for 3²⁰ samples.
 const DIGITS: usize = 20;
 const PRIMES: [u32; 32] = [
-    3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79, 83, 89, 97, 101, 103, 107, 109, 113,
-    127, 131, 137,
+    3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79, 83, 89, 97, 101, 103, 107, 109,
+    113, 127, 131, 137,
 ];
 
 impl Halton {
@@ -47,7 +47,11 @@ impl Halton {
             Radical { base, digits, value }
         };
         let ranges = ranges(validator);
-        Self { joints: ranges.iter().zip(PRIMES).map(|(_, base)| radical(base)).collect(), boxes: vec![ranges], turn: 0 }
+        Self {
+            joints: ranges.iter().zip(PRIMES).map(|(_, base)| radical(base)).collect(),
+            boxes: vec![ranges],
+            turn: 0,
+        }
     }
 
     /// Every other sample from about the ends of the motion, where the narrow passages mostly are and

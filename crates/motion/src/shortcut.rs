@@ -6,7 +6,13 @@ use rand::{Rng, RngExt};
 
 /// Shortens a free path: first by leaving out corners, then by `attempts` random cuts between
 /// points on its lines. The ends stay. The result is free where the input was.
-pub fn shorten(space: &mut impl MotionValidator, path: Path, attempts: usize, random: &mut impl Rng, budget: &Budget) -> Result<Path, Stop> {
+pub fn shorten(
+    space: &mut impl MotionValidator,
+    path: Path,
+    attempts: usize,
+    random: &mut impl Rng,
+    budget: &Budget,
+) -> Result<Path, Stop> {
     let mut path = leave_out(space, path, budget)?;
     for _ in 0..attempts {
         budget.check()?;

@@ -25,7 +25,12 @@ impl Default for Settings {
 }
 
 /// Shortens a free path; the ends stay, and the result is free.
-pub fn simplify(validator: &mut impl MotionValidator, path: Path, settings: &Settings, budget: &Budget) -> Result<Path, Stop> {
+pub fn simplify(
+    validator: &mut impl MotionValidator,
+    path: Path,
+    settings: &Settings,
+    budget: &Budget,
+) -> Result<Path, Stop> {
     let mut path = leave_out(validator, path, budget)?;
     for _ in 0..settings.rounds {
         let before = length(&path);

@@ -27,7 +27,18 @@ const PER_RADIAN: f64 = 32.0;
 
 impl<'a> Space<'a> {
     pub fn new(world: &'a World, moment: &'a Moment, step: f64) -> Self {
-        Self { world, moment, step, scratch: Scratch::default(), slack: Slack::default(), queue: VecDeque::new(), quick: None, suspects: Suspects::default(), row: Posture::new(), within: (&world.model.robot.lower, &world.model.robot.upper) }
+        Self {
+            world,
+            moment,
+            step,
+            scratch: Scratch::default(),
+            slack: Slack::default(),
+            queue: VecDeque::new(),
+            quick: None,
+            suspects: Suspects::default(),
+            row: Posture::new(),
+            within: (&world.model.robot.lower, &world.model.robot.upper),
+        }
     }
 
     /// The same, with the kernel asked first, if it knows what is held; worth its making for more
@@ -132,7 +143,10 @@ impl<'a> Space<'a> {
     fn within_limits(&self, q: &[f64]) -> bool {
         const ROUNDING: f64 = 1e-9;
         let robot = &self.world.model.robot;
-        q.iter().zip(&robot.lower).zip(&robot.upper).all(|((q, low), high)| *q >= low - ROUNDING && *q <= high + ROUNDING)
+        q.iter()
+            .zip(&robot.lower)
+            .zip(&robot.upper)
+            .all(|((q, low), high)| *q >= low - ROUNDING && *q <= high + ROUNDING)
     }
 
     fn rows_free_exactly(&mut self, rows: &[Posture]) -> bool {

@@ -37,9 +37,19 @@ impl<'a> SphereSpace<'a> {
         per_radian: f64,
     ) -> Self {
         let joints = vec![Lanes::ZERO; lower.len()];
-        let room = |among| Exactly { among, suspects: Suspects::default(), scratch: Default::default(), rows: Vec::new() };
+        let room =
+            |among| Exactly { among, suspects: Suspects::default(), scratch: Default::default(), rows: Vec::new() };
         let exact = exact.map(room);
-        Self { kernel, around, per_radian, scratch: kernel.scratch(), exact, lower: lower.to_vec(), upper: upper.to_vec(), joints }
+        Self {
+            kernel,
+            around,
+            per_radian,
+            scratch: kernel.scratch(),
+            exact,
+            lower: lower.to_vec(),
+            upper: upper.to_vec(),
+            joints,
+        }
     }
 
     /// Whether the shapes themselves are clear along a straight motion, both ends included; never

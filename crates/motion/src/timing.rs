@@ -103,7 +103,9 @@ fn time_part(curve: &Curve, part: Range<usize>, limits: &Limits, row: f64) -> Ti
             break;
         }
     }
-    if let Some((paced, found)) = best.take_if(|(_, b)| b.slowed_duration() <= sudden.slowed_duration().min(eased.duration())) {
+    if let Some((paced, found)) =
+        best.take_if(|(_, b)| b.slowed_duration() <= sudden.slowed_duration().min(eased.duration()))
+    {
         return maker.slowed(found, &paced);
     }
     let plain = maker.sample(maker.count(eased.duration()), &eased);

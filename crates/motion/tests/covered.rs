@@ -55,7 +55,8 @@ fn touches(planner: &MotionPlanner, obstacles: &[Obstacle], q: &[f64], margin: f
         (a + 1..all.len()).any(|b| !unchecked.contains(&(a, b)) && near(&all[a], &all[b]))
             || moved(a)
                 && obstacles.iter().any(|o| {
-                    let own: Vec<(Pose, &Convex)> = o.solid.parts.iter().map(|(p, c)| (o.root_from_solid * *p, c)).collect();
+                    let own: Vec<(Pose, &Convex)> =
+                        o.solid.parts.iter().map(|(p, c)| (o.root_from_solid * *p, c)).collect();
                     near(&all[a], &own)
                 })
     })

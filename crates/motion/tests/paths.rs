@@ -3,7 +3,8 @@
 
 use clearway_collision::{CollisionModel, Moment, Scratch, World};
 use clearway_motion::{
-    Halton, Limits, RrtSettings, Space, Trees, between, connect, distance, length, shorten, slowdowns, smooth, time_curve,
+    Halton, Limits, RrtSettings, Space, Trees, between, connect, distance, length, shorten, slowdowns, smooth,
+    time_curve,
 };
 use clearway_plan::{Budget, ObjectSet};
 use clearway_robot::Robot;
@@ -74,7 +75,10 @@ fn rows_beyond_a_limit_are_not_free() {
     let moment = Moment::new(ObjectSet::EMPTY, world.model.robot.hand.open(), 0.0);
     for quick in [false, true] {
         let mut space = if quick { Space::quick(&world, &moment, 0.01) } else { Space::new(&world, &moment, 0.01) };
-        let rows = |last: f64| [home[5], (home[5] + last) / 2.0, last].map(|q6| home[..5].iter().copied().chain([q6]).collect::<Vec<f64>>());
+        let rows = |last: f64| {
+            [home[5], (home[5] + last) / 2.0, last]
+                .map(|q6| home[..5].iter().copied().chain([q6]).collect::<Vec<f64>>())
+        };
         assert!(space.rows_free(&rows(upper[5])));
         assert!(!space.rows_free(&rows(upper[5] + 1e-3)));
     }

@@ -6,7 +6,11 @@ use std::sync::mpsc;
 
 /// What came of each, in their order, whatever the number of threads. After an error nothing new is begun; of several
 /// the one of the first thing is told.
-pub fn each<T: Send, R: Send, E: Send>(threads: usize, things: impl IntoIterator<Item = T, IntoIter: Send>, work: impl Fn(T) -> Result<R, E> + Sync) -> Result<Vec<R>, E> {
+pub fn each<T: Send, R: Send, E: Send>(
+    threads: usize,
+    things: impl IntoIterator<Item = T, IntoIter: Send>,
+    work: impl Fn(T) -> Result<R, E> + Sync,
+) -> Result<Vec<R>, E> {
     if threads <= 1 {
         return things.into_iter().map(work).collect();
     }

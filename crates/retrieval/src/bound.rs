@@ -60,18 +60,23 @@ impl Prover<'_> {
         let free = vec![ObjectSet::EMPTY];
         loop {
             let ways: WaysIn = known.iter().map(|k| k.as_ref().map_or(free.clone(), |k| k.ways.clone())).collect();
-            let Fewest::Found(set) = order::fewest(&ways, &self.barriers.sets, target, most, order::THOROUGH, budget)? else { return Ok(None) };
+            let Fewest::Found(set) = order::fewest(&ways, &self.barriers.sets, target, most, order::THOROUGH, budget)?
+            else {
+                return Ok(None);
+            };
             // Objects not looked at yet count as free; an answer without them stands.
             let unknown = |o: &ObjectId| known[o.index()].is_none();
             let Some(object) = Some(target).filter(unknown).or_else(|| set.iter().find(unknown)) else {
                 return Ok(Some(Bound { removed: set.len(), proof: self.proof(known) }));
             };
-            known[object.index()] = Some(self.look(object, most_in_way(most, object == target), &mut scratch, budget)?);
+            known[object.index()] =
+                Some(self.look(object, most_in_way(most, object == target), &mut scratch, budget)?);
         }
     }
 
     fn proof(&self, known: Vec<Option<Known>>) -> GraspsProof {
-        let case = |(known, name): (Option<Known>, &String)| Some(ObjectCase { object: name.clone(), grasps: known?.cases });
+        let case =
+            |(known, name): (Option<Known>, &String)| Some(ObjectCase { object: name.clone(), grasps: known?.cases });
         GraspsProof {
             standoff: self.world.model.robot.grasps.standoff,
             lift: self.settings.lift,
@@ -113,11 +118,15 @@ impl Prover<'_> {
             let at_grasps: Vec<Touch> = some
                 .iter()
                 .enumerate()
-                .map(|(lane, (_, grasp, q))| world.touched_among(q, &self.moment(object, grasp, true), &suspects, lane, scratch))
+                .map(|(lane, (_, grasp, q))| {
+                    world.touched_among(q, &self.moment(object, grasp, true), &suspects, lane, scratch)
+                })
                 .collect();
             for ((case, grasp, posture), at_grasp) in some.iter().zip(at_grasps) {
                 let touched = match at_grasp {
-                    Touch::Objects(set) if set.len() <= most => self.stretch(object, grasp, posture, set, &mut quick, scratch),
+                    Touch::Objects(set) if set.len() <= most => {
+                        self.stretch(object, grasp, posture, set, &mut quick, scratch)
+                    }
                     known => known,
                 };
                 let blocked_by = match touched {
@@ -127,7 +136,9 @@ impl Prover<'_> {
                         Some(set.names(self.names))
                     }
                 };
-                known.cases[*case].branches.push(Branch { posture: posture.iter().map(|v| tidy(*v)).collect(), blocked_by });
+                known.cases[*case]
+                    .branches
+                    .push(Branch { posture: posture.iter().map(|v| tidy(*v)).collect(), blocked_by });
             }
         }
         known.ways = ObjectSet::minimal(std::mem::take(&mut known.ways));
@@ -154,7 +165,8 @@ impl Prover<'_> {
         for step in 0..=steps {
             let out = (step as f64 * STEP).min(standoff);
             let target = Pose::new(at.rotation, lifted - at.rotation.z_axis * out);
-            match self.inverse.follow(&target, &trail, REACH).or_else(|| self.nearest(&target, &trail[trail.len() - 1])) {
+            match self.inverse.follow(&target, &trail, REACH).or_else(|| self.nearest(&target, &trail[trail.len() - 1]))
+            {
                 Some(next) => trail.push(next),
                 None => return Touch::Fixed,
             }

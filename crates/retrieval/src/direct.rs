@@ -43,7 +43,8 @@ impl Direct {
         // Those that came up before; ways that more objects stand in may count now.
         for index in 0..self.looked.len() {
             let object = ObjectId(index as u16);
-            if self.looked[index].is_some_and(|(_, next)| next.is_some_and(|next| next <= self.in_way(object, *limit))) {
+            if self.looked[index].is_some_and(|(_, next)| next.is_some_and(|next| next <= self.in_way(object, *limit)))
+            {
                 self.look(arm, object, *limit, budget)?;
             }
         }

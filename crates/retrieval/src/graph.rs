@@ -166,7 +166,9 @@ impl RetrievalGraph {
 
     /// The nodes made from failures: the object that was blocked, and NodeCol.
     pub fn failure_nodes(&self) -> impl Iterator<Item = (ObjectId, ObjectSet)> {
-        self.knowledge.iter().flat_map(|(&object, k)| k.ways.iter().filter(|w| !w.is_empty()).map(move |&w| (object, w)))
+        self.knowledge
+            .iter()
+            .flat_map(|(&object, k)| k.ways.iter().filter(|w| !w.is_empty()).map(move |&w| (object, w)))
     }
 
     /// The best sequence with |O_r| ≤ `limit`: fewest objects, then least distance between them.
@@ -181,7 +183,14 @@ impl RetrievalGraph {
             target: self.target,
             goal_cover: self.clusters[self.goal].collisions,
         };
-        let empty = Label { node: self.start, removed: ObjectSet::EMPTY, objects: Vec::new(), distance: 0.0, parent: None, direct: false };
+        let empty = Label {
+            node: self.start,
+            removed: ObjectSet::EMPTY,
+            objects: Vec::new(),
+            distance: 0.0,
+            parent: None,
+            direct: false,
+        };
         for way in &self.direct {
             for next in self.remove(&empty, *way, limit) {
                 for next in self.remove(&next, ObjectSet::of(self.target), limit) {
@@ -219,7 +228,14 @@ impl RetrievalGraph {
         results
     }
 
-    fn remove_pending(&self, mut label: Label, objects: ObjectSet, pending: ObjectSet, limit: usize, results: &mut Vec<Label>) {
+    fn remove_pending(
+        &self,
+        mut label: Label,
+        objects: ObjectSet,
+        pending: ObjectSet,
+        limit: usize,
+        results: &mut Vec<Label>,
+    ) {
         let mut rest = objects.difference(label.removed);
         // Whatever may be had as things are is taken now, nearest first.
         loop {
@@ -387,7 +403,16 @@ mod tests {
         positions[6] = [1.0, 1.0];
         let mut graph = RetrievalGraph::new(ObjectId(TARGET), positions);
         let cluster = |ids: &[u16]| Cluster { collisions: set(ids), roadmap_nodes: vec![0] };
-        let clusters = vec![cluster(&[]), cluster(&[8]), cluster(&[4]), cluster(&[]), cluster(&[1]), cluster(&[2]), cluster(&[6]), cluster(&[7])];
+        let clusters = vec![
+            cluster(&[]),
+            cluster(&[8]),
+            cluster(&[4]),
+            cluster(&[]),
+            cluster(&[1]),
+            cluster(&[2]),
+            cluster(&[6]),
+            cluster(&[7]),
+        ];
         // Node 7 hangs off n_s and leads nowhere.
         let edges = [(0, 1), (1, 2), (2, 3), (0, 4), (4, 5), (5, 6), (6, 3), (0, 7)];
         graph.set_clusters(clusters, &edges, 0, 3);
@@ -446,7 +471,8 @@ mod tests {
         let mut graph = RetrievalGraph::new(ObjectId(TARGET), vec![[0.0, 0.0]; 10]);
         let cluster = |ids: &[u16]| Cluster { collisions: set(ids), roadmap_nodes: vec![0] };
         // n_s → {O2} → ∅(fork) → {O1,O3} → n_g, and n_s → {O1,O3} → fork.
-        let clusters = vec![cluster(&[]), cluster(&[2]), cluster(&[1, 3]), cluster(&[]), cluster(&[1, 3]), cluster(&[])];
+        let clusters =
+            vec![cluster(&[]), cluster(&[2]), cluster(&[1, 3]), cluster(&[]), cluster(&[1, 3]), cluster(&[])];
         graph.set_clusters(clusters, &[(0, 1), (0, 2), (1, 3), (2, 3), (3, 4), (4, 5)], 0, 5);
         assert_eq!(graph.best_sequence(10, Search::Exact).unwrap().objects.len(), 3);
         assert_eq!(graph.best_sequence(10, Search::Greedy).unwrap().objects.len(), 4);
@@ -526,11 +552,16 @@ mod tests {
             let mut graph = RetrievalGraph::new(ObjectId(TARGET), vec![[0.0, 0.0]; 10]);
             let clusters: Vec<Cluster> = (0..7)
                 .map(|i| {
-                    let collisions = if i < 2 { ObjectSet::EMPTY } else { (0..1 + draw(2)).map(|_| ObjectId(draw(6) as u16)).collect() };
+                    let collisions = if i < 2 {
+                        ObjectSet::EMPTY
+                    } else {
+                        (0..1 + draw(2)).map(|_| ObjectId(draw(6) as u16)).collect()
+                    };
                     Cluster { collisions, roadmap_nodes: vec![0] }
                 })
                 .collect();
-            let edges: Vec<(usize, usize)> = (0..9).map(|_| (draw(7) as usize, draw(7) as usize)).filter(|(a, b)| a != b).collect();
+            let edges: Vec<(usize, usize)> =
+                (0..9).map(|_| (draw(7) as usize, draw(7) as usize)).filter(|(a, b)| a != b).collect();
             graph.set_clusters(clusters, &edges, 0, 1);
             for _ in 0..draw(5) {
                 let object = ObjectId(draw(6) as u16);

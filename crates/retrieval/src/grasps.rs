@@ -65,7 +65,9 @@ pub fn declared(world: &World, object: ObjectId) -> Vec<(Pose, Option<Grasp>)> {
     } else {
         for &height in &robot.grasps.heights {
             let angles = angles(solid, &world_from_object, robot.grasps.yaws);
-            poses.extend(angles.into_iter().flat_map(|angle| side(solid, &world_from_object, angle, height, &robot.hand.kind)));
+            poses.extend(
+                angles.into_iter().flat_map(|angle| side(solid, &world_from_object, angle, height, &robot.hand.kind)),
+            );
         }
     }
     if both_ways_up(world) {
@@ -114,7 +116,11 @@ fn angles(solid: &Solid, world_from_object: &Pose, count: usize) -> Vec<f64> {
     let boxes = solid.parts.iter().filter(|(_, convex)| matches!(convex, Convex::Box { .. }));
     for (pose, _) in boxes {
         let rotation = world_from_object.rotation * pose.rotation;
-        for side in [rotation.x_axis, rotation.y_axis, rotation.z_axis].into_iter().flat_map(|n| [n, -n]).filter(|n| n.z.abs() < LEVEL) {
+        for side in [rotation.x_axis, rotation.y_axis, rotation.z_axis]
+            .into_iter()
+            .flat_map(|n| [n, -n])
+            .filter(|n| n.z.abs() < LEVEL)
+        {
             let angle = (-side.y).atan2(-side.x);
             let near = |a: f64, b: f64| ((a - b) / TAU - ((a - b) / TAU).round()).abs() * TAU < SAME_YAW;
             if !angles.iter().any(|known| near(*known, angle)) {
@@ -145,7 +151,9 @@ pub fn in_twos(world: &World) -> bool {
     let back = frames[model.kinematics.tool].inverse();
     let last = 1 << (model.kinematics.arm_joints - 1);
     let moving = (0..frames.len()).filter(|&link| model.kinematics.moved_by[link] & last != 0);
-    let parts = moving.flat_map(|link| model.robot.links[link].collision.parts.iter().map(move |(part, convex)| (link, part, convex)));
+    let parts = moving.flat_map(|link| {
+        model.robot.links[link].collision.parts.iter().map(move |(part, convex)| (link, part, convex))
+    });
     let parts: Vec<(Pose, &Convex)> = parts.map(|(link, part, convex)| (back * frames[link] * *part, convex)).collect();
     let reach = |d: Vec3| {
         let along = |(pose, convex): &(Pose, &Convex)| pose.point(convex.support(pose.rotation.transpose() * d)).dot(d);
@@ -223,7 +231,8 @@ struct Fingers<'a> {
 impl<'a> Fingers<'a> {
     fn new(world: &'a World, solid: &'a Solid) -> Self {
         let about_z = |(pose, convex): &(Pose, Convex)| {
-            let along = pose.translation.truncate().length() < 1e-12 && pose.rotation.z_axis.truncate().length() < 1e-12;
+            let along =
+                pose.translation.truncate().length() < 1e-12 && pose.rotation.z_axis.truncate().length() < 1e-12;
             along && matches!(convex, Convex::Cylinder { .. } | Convex::Sphere { .. } | Convex::Capsule { .. })
         };
         Self { world, solid, round: solid.parts.iter().all(about_z), known: Vec::new() }
@@ -258,10 +267,10 @@ impl<'a> Fingers<'a> {
     }
 
     fn near(&self, value: f64, tool_from_object: &Pose, margin: f64) -> bool {
-        hand(self.world, value)
-            .any(|(pose, convex)| self.solid.parts.iter().any(|(p, c)| closer_than(convex, &pose, c, &(*tool_from_object * *p), margin)))
+        hand(self.world, value).any(|(pose, convex)| {
+            self.solid.parts.iter().any(|(p, c)| closer_than(convex, &pose, c, &(*tool_from_object * *p), margin))
+        })
     }
-
 }
 
 /// Whether grasps hold one solid firmly.
@@ -284,7 +293,8 @@ impl<'a> Hold<'a> {
         match self.world.model.robot.hand.kind {
             HandKind::Suction { .. } => self.is_square(&grasp.object_from_tool),
             HandKind::Parallel => {
-                let asked = if self.fingers.round { turned_to_x(&grasp.object_from_tool) } else { grasp.object_from_tool };
+                let asked =
+                    if self.fingers.round { turned_to_x(&grasp.object_from_tool) } else { grasp.object_from_tool };
                 if let Some((_, firm)) = self.known.iter().find(|(pose, _)| same(pose, &asked)) {
                     return *firm;
                 }
@@ -298,7 +308,8 @@ impl<'a> Hold<'a> {
     /// Turned a little either way, raised, lowered or moved away from the palm, it does not come loose: fingers that
     /// close on the corners of a box turn it until they are on its sides.
     fn stays(&self, tool_from_object: &Pose, closed: f64) -> bool {
-        let farthest = |d: Vec3| tool_from_object.point(self.fingers.solid.support(tool_from_object.rotation.transpose() * d));
+        let farthest =
+            |d: Vec3| tool_from_object.point(self.fingers.solid.support(tool_from_object.rotation.transpose() * d));
         // Wider apart than it is wide, the pads do not touch it: something else does.
         if self.world.model.robot.hand.gap_at(closed) > farthest(Vec3::X).x - farthest(-Vec3::X).x + PADS_OFF {
             return false;
@@ -312,7 +323,9 @@ impl<'a> Hold<'a> {
             moved(Pose::new(turn, about - turn * about), LOOSE_TURNED)
         };
         let stays = |about: Vec3| TURNED.into_iter().all(|angle| turned(about, angle) && turned(about, -angle));
-        stays(Vec3::ZERO) && stays(own) && [Vec3::Y * RAISED, Vec3::Y * -RAISED, Vec3::Z * AHEAD].into_iter().all(shifted)
+        stays(Vec3::ZERO)
+            && stays(own)
+            && [Vec3::Y * RAISED, Vec3::Y * -RAISED, Vec3::Z * AHEAD].into_iter().all(shifted)
     }
 
     /// Whether the surface under a cup is square to it.
@@ -321,7 +334,8 @@ impl<'a> Hold<'a> {
         let rotation = object_from_tool.rotation;
         let depth = |aside: Vec3| {
             let start = object_from_tool.translation + rotation * aside - rotation.z_axis * BACK;
-            surface_along(self.fingers.solid, &Pose::IDENTITY, start, rotation.z_axis, 2.0 * BACK).map(|p| (p - start).dot(rotation.z_axis))
+            surface_along(self.fingers.solid, &Pose::IDENTITY, start, rotation.z_axis, 2.0 * BACK)
+                .map(|p| (p - start).dot(rotation.z_axis))
         };
         let Some(middle) = depth(Vec3::ZERO) else { return false };
         [Vec3::X, Vec3::Y].into_iter().all(|axis| match (depth(axis * RIM), depth(axis * -RIM)) {
@@ -352,5 +366,7 @@ fn turned_to_x(pose: &Pose) -> Pose {
 
 fn same(a: &Pose, b: &Pose) -> bool {
     let near = |a: Vec3, b: Vec3| a.abs_diff_eq(b, 1e-9);
-    near(a.translation, b.translation) && near(a.rotation.x_axis, b.rotation.x_axis) && near(a.rotation.z_axis, b.rotation.z_axis)
+    near(a.translation, b.translation)
+        && near(a.rotation.x_axis, b.rotation.x_axis)
+        && near(a.rotation.z_axis, b.rotation.z_axis)
 }

@@ -91,15 +91,25 @@ impl Handling {
         let Feasibility { stands, inverse, floor, settings, scratch, .. } = &mut self.arm;
         let world = &stands[0].world;
         let moved_to = moved_to.map(|at| world.root_from_world * at);
-        let mut ways = Explorer { world, inverse, floor, settings, moved_to, empty: false }.with_grasp(object, grasp, enough, scratch);
+        let mut ways = Explorer { world, inverse, floor, settings, moved_to, empty: false }
+            .with_grasp(object, grasp, enough, scratch);
         let home = &world.model.robot.home;
         let from_home = |w: &Way| w.postures.last().map_or(f64::INFINITY, |q| distance(q, home));
-        ways.sort_by(|a, b| (a.blocked_by.len(), !a.clear).cmp(&(b.blocked_by.len(), !b.clear)).then(from_home(a).total_cmp(&from_home(b))));
+        ways.sort_by(|a, b| {
+            (a.blocked_by.len(), !a.clear)
+                .cmp(&(b.blocked_by.len(), !b.clear))
+                .then(from_home(a).total_cmp(&from_home(b)))
+        });
         ways
     }
 
     /// Whether an object that stands like `other_at` is in a way to another.
-    pub fn in_way(&mut self, (object, at, grasp, way): (ObjectId, &Pose, &Grasp, &Way), other: ObjectId, other_at: &Pose) -> bool {
+    pub fn in_way(
+        &mut self,
+        (object, at, grasp, way): (ObjectId, &Pose, &Grasp, &Way),
+        other: ObjectId,
+        other_at: &Pose,
+    ) -> bool {
         if *other_at == self.arm.scene.objects[other.index()].pose {
             return way.blocked_by.contains(other);
         }
@@ -127,15 +137,23 @@ impl Handling {
         let world = &self.arm.stands[0].world;
         let pose = |at: &Pose| world.root_from_world * *at;
         let (a, b) = (world.placed(object, &pose(at)), world.placed(other, &pose(other_at)));
-        a.near(&b, self.arm.settings.held_margin) && !world.carries(&b, object, &pose(at)) && !world.carries(&a, other, &pose(other_at))
+        a.near(&b, self.arm.settings.held_margin)
+            && !world.carries(&b, object, &pose(at))
+            && !world.carries(&a, other, &pose(other_at))
     }
 
     /// What carries an object that stands like this, of fixtures and of objects that stand like those.
     pub fn rests(&self, object: ObjectId, at: &Pose, others: &[(ObjectId, Pose)]) -> Rests {
         let world = &self.arm.stands[0].world;
         let at = world.root_from_world * *at;
-        let carries = |other: ObjectId, pose: &Pose| world.carries(&world.placed(other, &(world.root_from_world * *pose)), object, &at);
-        let objects = others.iter().filter(|(other, pose)| *other != object && carries(*other, pose)).map(|(other, _)| *other).collect();
+        let carries = |other: ObjectId, pose: &Pose| {
+            world.carries(&world.placed(other, &(world.root_from_world * *pose)), object, &at)
+        };
+        let objects = others
+            .iter()
+            .filter(|(other, pose)| *other != object && carries(*other, pose))
+            .map(|(other, _)| *other)
+            .collect();
         Rests { fixtures: world.below(object, &at).0, objects }
     }
 
@@ -149,7 +167,9 @@ impl Handling {
         let base = world.world_from_root.translation.truncate();
         let area = match surface {
             Surface::Place(index) => scene.places[index].clone(),
-            Surface::Fixture(index) => top_of(&scene.fixtures[index].id, &scene.fixtures[index].solid.aabb(scene.fixtures[index].pose)),
+            Surface::Fixture(index) => {
+                top_of(&scene.fixtures[index].id, &scene.fixtures[index].solid.aabb(scene.fixtures[index].pose))
+            }
             Surface::Object(id, at) => top_of(&scene.names[id.index()], &scene.objects[id.index()].solid.aabb(at)),
         };
         let away = matches!(surface, Surface::Place(_));
@@ -177,10 +197,17 @@ impl Handling {
         // On a place the hand points away from the robot, or nearly; elsewhere as it does where the object stood.
         let turns: Vec<Vec<f64>> = spots
             .iter()
-            .map(|spot| if away { place::yaws(forward, spot.at.truncate() - base).collect() } else { place::yaws(Vec2::X, Vec2::X).take(5).collect() })
+            .map(|spot| {
+                if away {
+                    place::yaws(forward, spot.at.truncate() - base).collect()
+                } else {
+                    place::yaws(Vec2::X, Vec2::X).take(5).collect()
+                }
+            })
             .collect();
         let most = turns.iter().map(Vec::len).max().unwrap_or(0);
-        let each = (0..most).flat_map(|turn| spots.iter().zip(&turns).filter_map(move |(spot, turns)| Some((spot, *turns.get(turn)?))));
+        let each = (0..most)
+            .flat_map(|turn| spots.iter().zip(&turns).filter_map(move |(spot, turns)| Some((spot, *turns.get(turn)?))));
         each.filter_map(|(spot, yaw)| place::standing_at(solid, &pose, yaw, spot, &inside)).collect()
     }
 
@@ -215,16 +242,28 @@ impl Handling {
     }
 
     /// The motions that bring an object somewhere, or what stood in their way.
-    pub fn bring(&mut self, bring: &Bring, before: &Situation, budget: &Budget) -> Result<Result<Carried, Obstruction>, Stop> {
+    pub fn bring(
+        &mut self,
+        bring: &Bring,
+        before: &Situation,
+        budget: &Budget,
+    ) -> Result<Result<Carried, Obstruction>, Stop> {
         let (grasp, object) = (&bring.grasp, bring.object);
         let root = self.arm.stands[0].world.root_from_world;
-        let relocation = Relocation { object, grasp, from: (root * bring.from.0, &bring.from.1), to: (root * bring.to.0, &bring.to.1) };
+        let relocation = Relocation {
+            object,
+            grasp,
+            from: (root * bring.from.0, &bring.from.1),
+            to: (root * bring.to.0, &bring.to.1),
+        };
         let mut without = before.clone();
         without.standing.remove(object);
         without.placed.retain(|(o, _)| *o != object);
         let mut with = without.clone();
         with.placed.push((object, bring.to.0));
-        for (situation, what) in [(&without, "taking it from under what would fall"), (&with, "putting it where something would fall")] {
+        for (situation, what) in
+            [(&without, "taking it from under what would fall"), (&with, "putting it where something would fall")]
+        {
             let fallen = self.fallen(situation);
             if !fallen.is_empty() {
                 return Ok(Err(Obstruction { what, blamed: fallen }));
@@ -286,10 +325,13 @@ impl Handling {
     /// The fixtures that carry objects where the scene has them.
     pub fn shelves(&self) -> Vec<usize> {
         let scene = &self.arm.scene;
-        let carry = |index: &usize| self.arm.stands[0].world.carriers.iter().any(|(fixtures, _)| fixtures.contains(index));
+        let carry =
+            |index: &usize| self.arm.stands[0].world.carriers.iter().any(|(fixtures, _)| fixtures.contains(index));
         let mut shelves: Vec<usize> = (0..scene.fixtures.len()).filter(carry).collect();
         for object in &scene.objects {
-            if let Support::Fixture(index) = &object.support && !shelves.contains(index) {
+            if let Support::Fixture(index) = &object.support
+                && !shelves.contains(index)
+            {
                 shelves.push(*index);
             }
         }

@@ -20,13 +20,22 @@ pub type WaysIn = Vec<Vec<ObjectSet>>;
 
 /// The objects of `set` that can be taken with no others gone, in an order in which they can: of those
 /// that can be taken next the one for which `key` of it and the last one is least.
-pub fn arrange<K: PartialOrd>(ways: &WaysIn, set: &ObjectSet, key: impl Fn(Option<ObjectId>, ObjectId) -> K) -> Vec<ObjectId> {
+pub fn arrange<K: PartialOrd>(
+    ways: &WaysIn,
+    set: &ObjectSet,
+    key: impl Fn(Option<ObjectId>, ObjectId) -> K,
+) -> Vec<ObjectId> {
     let mut gone = ObjectSet::EMPTY;
     let mut order: Vec<ObjectId> = Vec::new();
     loop {
         let last = order.last().copied();
         let free = |o: &ObjectId| ways[o.index()].iter().any(|w| w.is_subset(&gone));
-        let next = set.difference(gone).iter().filter(free).map(|o| (key(last, o), o)).reduce(|a, b| if b.0 < a.0 { b } else { a });
+        let next = set
+            .difference(gone)
+            .iter()
+            .filter(free)
+            .map(|o| (key(last, o), o))
+            .reduce(|a, b| if b.0 < a.0 { b } else { a });
         let Some((_, next)) = next else { return order };
         gone.insert(next);
         order.push(next);
@@ -96,7 +105,8 @@ pub fn fewest(
     sets: usize,
     budget: &Budget,
 ) -> Result<Fewest, Stop> {
-    let lacking = |object: ObjectId, set: &ObjectSet| ways[object.index()].iter().map(|w| w.difference(*set).len()).min();
+    let lacking =
+        |object: ObjectId, set: &ObjectSet| ways[object.index()].iter().map(|w| w.difference(*set).len()).min();
     // The size of any answer above a set is at least this; `None` when there is none.
     let bound = |set: &ObjectSet| -> Option<usize> {
         let ways = set.iter().try_fold(0, |most, o| lacking(o, set).map(|l| most.max(l)));
@@ -183,8 +193,9 @@ mod tests {
     /// All ordered subsets, fewest first.
     fn by_brute_force(ways: &WaysIn, target: ObjectId) -> Option<usize> {
         let others: Vec<ObjectId> = (0..ways.len() as u16).map(ObjectId).filter(|o| *o != target).collect();
-        let sets = (0..1u32 << others.len())
-            .map(|bits| others.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1).map(|(_, o)| *o).collect::<ObjectSet>());
+        let sets = (0..1u32 << others.len()).map(|bits| {
+            others.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1).map(|(_, o)| *o).collect::<ObjectSet>()
+        });
         let opens = |set: &ObjectSet| {
             let all = set.with(target);
             takable(ways, &all) == all && ways[target.index()].iter().any(|w| w.is_subset(set))
@@ -250,7 +261,8 @@ mod tests {
 
     #[test]
     fn circles_are_no_order() {
-        let ways = vec![vec![ObjectSet::of(ObjectId(1))], vec![ObjectSet::of(ObjectId(2))], vec![ObjectSet::of(ObjectId(1))]];
+        let ways =
+            vec![vec![ObjectSet::of(ObjectId(1))], vec![ObjectSet::of(ObjectId(2))], vec![ObjectSet::of(ObjectId(1))]];
         assert_eq!(search(&ways, 9), Fewest::None { at_least: None });
         assert_eq!(few(&ways, ObjectId(0), &Budget::unlimited()).expect("no limit"), None);
     }

@@ -72,7 +72,9 @@ fn footprint_middle(solid: &Solid, pose: &Pose) -> Vec2 {
 pub fn fits_somewhere(solid: &Solid, world_from_object: &Pose, places: &[Place]) -> bool {
     places.iter().enumerate().any(|(index, place)| {
         let centre = Spot { at: place.centre, place: index };
-        (0..12).any(|i| standing_at(solid, world_from_object, i as f64 * std::f64::consts::PI / 12.0, &centre, place).is_some())
+        (0..12).any(|i| {
+            standing_at(solid, world_from_object, i as f64 * std::f64::consts::PI / 12.0, &centre, place).is_some()
+        })
     })
 }
 
@@ -80,5 +82,7 @@ pub fn fits_somewhere(solid: &Solid, world_from_object: &Pose, places: &[Place])
 /// from the robot there, or nearly.
 pub fn yaws(forward: Vec2, outward: Vec2) -> impl Iterator<Item = f64> {
     let straight = if forward.length() > 0.1 { forward.angle_to(outward) } else { 0.0 };
-    [0.0, 20.0, -20.0, 40.0, -40.0, 65.0, -65.0, 90.0, -90.0, 130.0, -130.0, 180.0f64].into_iter().map(move |d| straight + d.to_radians())
+    [0.0, 20.0, -20.0, 40.0, -40.0, 65.0, -65.0, 90.0, -90.0, 130.0, -130.0, 180.0f64]
+        .into_iter()
+        .map(move |d| straight + d.to_radians())
 }

@@ -9,8 +9,8 @@ use crate::direct::{Direct, Directly};
 use crate::feasibility::{Ending, Feasibility, Journey, NoMotion, Taking, Unfit};
 use crate::graph::{RetrievalGraph, Search, Sequence};
 use crate::mobile;
-use crate::push::{self, Pushes};
 use crate::order::most_in_way;
+use crate::push::{self, Pushes};
 use crate::roadmap::{self, Roadmap};
 use crate::trace;
 use crate::ways;
@@ -114,7 +114,14 @@ impl Planner {
 
     /// A session for one of several scenes with the same robot, which is made ready only once.
     pub fn with_model(scene: Scene, model: Arc<CollisionModel>, settings: Settings) -> Result<Self, Unfit> {
-        let arm = Feasibility::new(scene, model, settings.ways.clone(), settings.carry.clone(), settings.push.clone(), settings.mobile.clone())?;
+        let arm = Feasibility::new(
+            scene,
+            model,
+            settings.ways.clone(),
+            settings.carry.clone(),
+            settings.push.clone(),
+            settings.mobile.clone(),
+        )?;
         let (roadmap, graph) = (Roadmap::new(&arm.floor), new_graph(&arm.scene));
         Ok(Self { arm, settings, roadmap, graph })
     }
@@ -180,7 +187,8 @@ impl Planner {
         stats.roadmap_nodes = self.roadmap.nodes.len();
         stats.retrieval_nodes = self.graph.len();
         stats.samples = self.roadmap.samples;
-        stats.grasps_tried = self.arm.stands.iter().flat_map(|s| s.ways.iter().flatten()).map(|w| w.counts.total()).sum();
+        stats.grasps_tried =
+            self.arm.stands.iter().flat_map(|s| s.ways.iter().flatten()).map(|w| w.counts.total()).sum();
         let (ending, sequence, stopped) = match outcome {
             Ok(Some(sequence)) => (Ending::Solved(sequence.objects.clone()), Some(sequence), None),
             Ok(None) => (Ending::Impossible, None, None),
@@ -240,7 +248,9 @@ impl Planner {
         }
         let first = match self.settings.first_limit {
             FirstLimit::One => 1,
-            FirstLimit::GraspCover => 1 + self.arm.minimal_sets(target, count, &run.budget)?.iter().map(ObjectSet::len).min().unwrap_or(0),
+            FirstLimit::GraspCover => {
+                1 + self.arm.minimal_sets(target, count, &run.budget)?.iter().map(ObjectSet::len).min().unwrap_or(0)
+            }
             FirstLimit::All => count,
         };
         let most = run.most_removals.unwrap_or(count).min(count);
@@ -263,7 +273,13 @@ impl Planner {
                 }
             }
             self.look_up_to(limit, &direct, &run.budget)?;
-            self.roadmap.expand(&self.arm.floor, limit, &self.settings.roadmap, &mut run.random_roadmap, &run.budget)?;
+            self.roadmap.expand(
+                &self.arm.floor,
+                limit,
+                &self.settings.roadmap,
+                &mut run.random_roadmap,
+                &run.budget,
+            )?;
             let (clusters, edges) = self.roadmap.clusters();
             // Clusters come in the order of their first nodes; x_s and x_g are nodes 0 and 1, alone.
             self.graph.set_clusters(clusters, &edges, 0, 1);
@@ -292,7 +308,12 @@ impl Planner {
 
     /// The fewest objects along the arm's own ways; where there are none, the next limit at which there
     /// may be some.
-    fn search_directly(&mut self, direct: &mut Direct, limit: &mut usize, run: &mut Run) -> Result<Result<Sequence, Option<usize>>, Stop> {
+    fn search_directly(
+        &mut self,
+        direct: &mut Direct,
+        limit: &mut usize,
+        run: &mut Run,
+    ) -> Result<Result<Sequence, Option<usize>>, Stop> {
         let mut in_vain: Option<Vec<ObjectId>> = None;
         loop {
             let objects = match direct.search(&mut self.arm, limit, &run.budget)? {
@@ -350,7 +371,11 @@ impl Planner {
         for &object in &sequence.objects {
             let Some(first) = self.first_free_way(object, &removed, &run.budget)? else {
                 let is_target = object == self.arm.scene.target;
-                let most = if self.settings.as_in_paper { self.arm.scene.objects.len() } else { most_in_way(limit, is_target) };
+                let most = if self.settings.as_in_paper {
+                    self.arm.scene.objects.len()
+                } else {
+                    most_in_way(limit, is_target)
+                };
                 let mut sets = self.arm.minimal_sets(object, most, &run.budget)?;
                 if self.settings.as_in_paper {
                     sets.truncate(1);
@@ -382,7 +407,12 @@ impl Planner {
     }
 
     /// A way that is free once `removed` is gone: straight out, or along the roadmap's route.
-    fn first_free_way(&mut self, object: ObjectId, removed: &ObjectSet, budget: &Budget) -> Result<Option<Taking>, Stop> {
+    fn first_free_way(
+        &mut self,
+        object: ObjectId,
+        removed: &ObjectSet,
+        budget: &Budget,
+    ) -> Result<Option<Taking>, Stop> {
         let free = self.arm.free_ways(object, removed, 1, budget)?;
         Ok(match free.first() {
             Some(first) => Some(*first),

@@ -155,7 +155,14 @@ impl Roadmap {
     }
 
     /// Algorithm 2: grows the roadmap under the exploration limit *L*.
-    pub fn expand(&mut self, floor: &Floor, limit: usize, settings: &Settings, random: &mut impl Rng, budget: &Budget) -> Result<(), Stop> {
+    pub fn expand(
+        &mut self,
+        floor: &Floor,
+        limit: usize,
+        settings: &Settings,
+        random: &mut impl Rng,
+        budget: &Budget,
+    ) -> Result<(), Stop> {
         let most = limit.saturating_sub(1);
         let raises = (settings.samples / settings.raise_every).max(1);
         let mut sampling_limit = 0.0f64;
@@ -178,10 +185,8 @@ impl Roadmap {
     fn extend(&mut self, floor: &Floor, sampling_limit: usize, settings: &Settings, random: &mut impl Rng) {
         let area = &floor.workspace;
         let draw = |low: f64, high: f64, t: f64| low + (high - low) * t;
-        let sample = Vec2::new(
-            draw(area.min[0], area.max[0], random.random()),
-            draw(area.min[1], area.max[1], random.random()),
-        );
+        let sample =
+            Vec2::new(draw(area.min[0], area.max[0], random.random()), draw(area.min[1], area.max[1], random.random()));
         let Some(nearest) = self.places.nearest(sample, sampling_limit) else { return };
         let nearest = self.nodes[nearest];
         let way = sample - nearest.at;
@@ -362,7 +367,9 @@ mod tests {
             nodes.push(Node { at: node, collisions });
             let squared = |i: &usize| nodes[*i].at.distance_squared(to);
             for limit in 0..4 {
-                let scan = (0..nodes.len()).filter(|&i| nodes[i].collisions.len() <= limit).min_by(|a, b| squared(a).total_cmp(&squared(b)));
+                let scan = (0..nodes.len())
+                    .filter(|&i| nodes[i].collisions.len() <= limit)
+                    .min_by(|a, b| squared(a).total_cmp(&squared(b)));
                 assert_eq!(places.nearest(to, limit), scan);
             }
             let mut found: Vec<usize> = places.within(to, 0.12).into_iter().map(|(_, i)| i).collect();

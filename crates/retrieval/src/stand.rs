@@ -40,7 +40,14 @@ impl Stand {
         budget: &Budget,
         into: impl FnOnce(&Explorer, &mut Ways, &mut Scratch) -> Result<T, Stop>,
     ) -> Result<T, Stop> {
-        let explorer = Explorer { world: &self.world, inverse: tools.inverse, floor: tools.floor, settings: tools.settings, moved_to: None, empty: false };
+        let explorer = Explorer {
+            world: &self.world,
+            inverse: tools.inverse,
+            floor: tools.floor,
+            settings: tools.settings,
+            moved_to: None,
+            empty: false,
+        };
         let ways = match &mut self.ways[object.index()] {
             Some(ways) => ways,
             none => none.insert(explorer.explore(object, budget)?),

@@ -5,11 +5,11 @@ use crate::feasibility::{Ending, Feasibility, Journey};
 use crate::graph::{RetrievalGraph, Sequence};
 use crate::roadmap::Roadmap;
 use crate::ways::{Stage, Ways};
-use clearway_plan::plan_file::{
-    GraphNodeTrace, GraphTrace, GraspCount, JointLimits, MeshFile, ObjectWhy, PlanFile, PlannedHand, PlannedRobot, RoadmapTrace, Stats,
-    Status, Timing, Trace, Why,
-};
 use clearway_plan::object_set::one_of;
+use clearway_plan::plan_file::{
+    GraphNodeTrace, GraphTrace, GraspCount, JointLimits, MeshFile, ObjectWhy, PlanFile, PlannedHand, PlannedRobot,
+    RoadmapTrace, Stats, Status, Timing, Trace, Why,
+};
 use clearway_plan::robot_file::HandKind;
 use clearway_plan::{ObjectId, ObjectSet, Stop, plan_file};
 use clearway_robot::Robot;
@@ -21,7 +21,10 @@ pub fn solved(arm: &Feasibility, objects: &[ObjectId], journey: Journey) -> Plan
     let names = &arm.scene.names;
     let mut why = why_solved(arm, objects, &journey.carried);
     for (object, not_pushed) in &journey.not_pushed {
-        why.objects.iter_mut().filter(|w| w.object == names[object.index()]).for_each(|w| w.push = format!("picked: {}", not_pushed.reason()));
+        why.objects
+            .iter_mut()
+            .filter(|w| w.object == names[object.index()])
+            .for_each(|w| w.push = format!("picked: {}", not_pushed.reason()));
     }
     let carried = journey.carried;
     for (step, push) in carried.iter().filter_map(|c| Some((&c.step, c.step.push.as_ref()?))) {
@@ -60,7 +63,11 @@ pub fn handled(arm: &Feasibility, carried: Vec<Carried>, goal: Option<&str>) -> 
 
 /// No plan for a goal.
 pub fn not_handled(arm: &Feasibility, why: String, goal: Option<&str>) -> PlanFile {
-    PlanFile { why: Why { summary: why, ..Why::default() }, goal: goal.map(str::to_owned), ..without_steps(arm, Status::OutOfBudget) }
+    PlanFile {
+        why: Why { summary: why, ..Why::default() },
+        goal: goal.map(str::to_owned),
+        ..without_steps(arm, Status::OutOfBudget)
+    }
 }
 
 fn why_handled(arm: &Feasibility, removed: &[String], carried: &[Carried], has_goal: bool) -> Why {
@@ -68,7 +75,8 @@ fn why_handled(arm: &Feasibility, removed: &[String], carried: &[Carried], has_g
     let reason = |name: &String| {
         let Some(object) = arm.scene.object(name) else { return (String::new(), Vec::new()) };
         let first = carried.iter().position(|c| c.step.object == *name).unwrap_or(0);
-        let later = carried.iter().skip(first + 1).filter(|c| c.step.object != *name && c.way_blocked_by.contains(object));
+        let later =
+            carried.iter().skip(first + 1).filter(|c| c.step.object != *name && c.way_blocked_by.contains(object));
         let mut blocked: Vec<String> = later.map(|c| c.step.object.clone()).collect();
         blocked.dedup();
         let reason = match stands_on(arm, object, &blocked).is_empty() && blocked.is_empty() {
@@ -83,11 +91,17 @@ fn why_handled(arm: &Feasibility, removed: &[String], carried: &[Carried], has_g
         let (reason, blocked) = reason(name);
         ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..ObjectWhy::default() }
     });
-    let what = if has_goal { "The goal is reached".to_owned() } else { format!("`{}` is had", names[arm.scene.target.index()]) };
+    let what = if has_goal {
+        "The goal is reached".to_owned()
+    } else {
+        format!("`{}` is had", names[arm.scene.target.index()])
+    };
     let steps = if carried.len() == 1 { "step" } else { "steps" };
     let summary = match carried.is_empty() {
         true => "The goal holds as things stand: there is nothing to do.".to_owned(),
-        false => format!("{what} with {} of {} objects moved, in {} {steps}.", removed.len(), names.len(), carried.len()),
+        false => {
+            format!("{what} with {} of {} objects moved, in {} {steps}.", removed.len(), names.len(), carried.len())
+        }
     };
     Why { summary, objects: objects.collect(), sides: Vec::new() }
 }
@@ -268,8 +282,12 @@ fn why_not(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'
             "No declared grasp of `{target}` can be reached, even with every other object gone: see what became of the grasps."
         ),
         Ending::Stopped(Some(Stop::Cancelled)) => format!("Interrupted before a way to `{target}` was found."),
-        Ending::Stopped(Some(Stop::Iterations)) => format!("The iterations allowed were spent before a way to `{target}` was found; nothing is proved."),
-        Ending::Stopped(None) => format!("Everything that was known of was tried, and no way to `{target}` was found; nothing is proved."),
+        Ending::Stopped(Some(Stop::Iterations)) => {
+            format!("The iterations allowed were spent before a way to `{target}` was found; nothing is proved.")
+        }
+        Ending::Stopped(None) => {
+            format!("Everything that was known of was tried, and no way to `{target}` was found; nothing is proved.")
+        }
         _ => format!("The time allowed was spent before a way to `{target}` was found; nothing is proved."),
     };
     if let Some((object, what)) = obstruction {

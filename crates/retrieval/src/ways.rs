@@ -183,7 +183,10 @@ impl Ways {
     pub fn grasp_counts(&self) -> Vec<GraspCount> {
         let mut counts = self.counts.list();
         if !self.unseen.is_empty() {
-            counts.push(GraspCount { outcome: "not looked at: there were ways enough".to_owned(), count: self.unseen.len() });
+            counts.push(GraspCount {
+                outcome: "not looked at: there were ways enough".to_owned(),
+                count: self.unseen.len(),
+            });
         }
         counts
     }
@@ -221,7 +224,8 @@ impl Explorer<'_> {
                 break;
             }
             let open = ways.ways.iter().position(|w| !exact(w) && w.blocked_by.is_empty());
-            match open.or_else(|| if ways.unseen.is_empty() { ways.ways.iter().position(|w| !exact(w)) } else { None }) {
+            match open.or_else(|| if ways.unseen.is_empty() { ways.ways.iter().position(|w| !exact(w)) } else { None })
+            {
                 Some(next) => self.advance(object, &mut ways, next, ObjectSet::CAPACITY, scratch),
                 None if self.see(object, &mut ways, scratch) => {}
                 None => break,
@@ -240,7 +244,11 @@ impl Explorer<'_> {
         for (index, grasp) in grasps.iter().enumerate() {
             budget.check()?;
             let root_from_tool = self.pose(object) * grasp.object_from_tool;
-            let branches = if in_twos { self.inverse.solve_of_two(&root_from_tool, home) } else { self.inverse.solve(&root_from_tool, home) };
+            let branches = if in_twos {
+                self.inverse.solve_of_two(&root_from_tool, home)
+            } else {
+                self.inverse.solve(&root_from_tool, home)
+            };
             found.counts.out_of_reach += usize::from(branches.is_empty());
             found.unseen.extend(branches.into_iter().map(|q| (index, q)));
         }
@@ -265,7 +273,8 @@ impl Explorer<'_> {
                 Touch::Fixed => found.counts.fixed_at_grasp += 1,
                 Touch::Objects(touched) => {
                     // Nothing is lifted from under a load.
-                    let loads = if self.moved_to.is_some() { ObjectSet::EMPTY } else { self.world.loads[object.index()] };
+                    let loads =
+                        if self.moved_to.is_some() { ObjectSet::EMPTY } else { self.world.loads[object.index()] };
                     let blocked_by = touched.union(loads);
                     found.counts.ways += 1;
                     seen.push(Way {
@@ -313,7 +322,15 @@ impl Explorer<'_> {
     }
 
     /// The way from its grasp posture outwards, postures `step` apart.
-    fn draw_out(&self, object: ObjectId, grasp: &Grasp, way: &Way, step: f64, most: usize, scratch: &mut Scratch) -> Drawn {
+    fn draw_out(
+        &self,
+        object: ObjectId,
+        grasp: &Grasp,
+        way: &Way,
+        step: f64,
+        most: usize,
+        scratch: &mut Scratch,
+    ) -> Drawn {
         let world = self.world;
         let moment = self.moment(object, grasp);
         let stands = self.pose(object);
@@ -383,11 +400,7 @@ impl Explorer<'_> {
                 (reached, clear) = outs[lane];
             }
         }
-        if reached >= standoff {
-            Drawn::Out { postures, blocked_by, clear }
-        } else {
-            Drawn::Stuck
-        }
+        if reached >= standoff { Drawn::Out { postures, blocked_by, clear } } else { Drawn::Stuck }
     }
 
     fn moment(&self, object: ObjectId, grasp: &Grasp) -> Moment {
@@ -462,7 +475,9 @@ impl Explorer<'_> {
         // With one that nothing stands in, no other matters.
         loop {
             budget.check()?;
-            let open = (0..ways.ways.len()).filter(|&i| ways.ways[i].blocked_by.is_empty()).max_by_key(|&i| ways.ways[i].stage);
+            let open = (0..ways.ways.len())
+                .filter(|&i| ways.ways[i].blocked_by.is_empty())
+                .max_by_key(|&i| ways.ways[i].stage);
             match open {
                 Some(i) if ways.ways[i].stage == Stage::Exact => return Ok(vec![ObjectSet::EMPTY]),
                 Some(i) => self.advance(object, ways, i, most, scratch),

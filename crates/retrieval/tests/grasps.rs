@@ -51,8 +51,13 @@ fn off_axis(forward: Vec3) -> f64 {
 fn boxes_are_held_by_their_sides_however_they_stand() {
     for robot in ["ur10_ag95", "panda", "pr2_left", "ur10_suction"] {
         let model = arm(robot);
-        for (yaw, size) in [0.0, 0.1, 0.3, 0.785, 1.4].into_iter().flat_map(|yaw| [(yaw, "0.05, 0.06"), (yaw, "0.05, 0.05")]) {
-            let (_, presets) = presets(&model, &format!("box: {{size: [{size}, 0.14]}}, position: [0.7, 0, 0.57], rpy: [0, 0, {yaw}]"));
+        for (yaw, size) in
+            [0.0, 0.1, 0.3, 0.785, 1.4].into_iter().flat_map(|yaw| [(yaw, "0.05, 0.06"), (yaw, "0.05, 0.05")])
+        {
+            let (_, presets) = presets(
+                &model,
+                &format!("box: {{size: [{size}, 0.14]}}, position: [0.7, 0, 0.57], rpy: [0, 0, {yaw}]"),
+            );
             let forwards = forwards(&presets);
             let square = |f: &Vec3| off_axis(*f) < 0.02;
             assert!(!forwards.is_empty() && forwards.iter().all(square), "{robot}, {yaw}: {forwards:?}");

@@ -91,8 +91,10 @@ fn the_hand_brakes_less_than_friction_does() {
     let segment = plan.steps[0].segments.iter().find(|s| s.kind == SegmentKind::Push).unwrap();
     let at: Vec<_> = segment.positions.iter().map(|q| kinematics.tool(q, 0.0)).collect();
     let way: Vec<f64> = at.iter().map(|p| p.translation.distance(at[0].translation)).collect();
-    let speed: Vec<f64> = way.windows(2).zip(segment.times.windows(2)).map(|(w, t)| (w[1] - w[0]) / (t[1] - t[0])).collect();
-    let braking = speed.windows(2).zip(segment.times.windows(2)).map(|(v, t)| (v[0] - v[1]) / (t[1] - t[0])).fold(0.0, f64::max);
+    let speed: Vec<f64> =
+        way.windows(2).zip(segment.times.windows(2)).map(|(w, t)| (w[1] - w[0]) / (t[1] - t[0])).collect();
+    let braking =
+        speed.windows(2).zip(segment.times.windows(2)).map(|(v, t)| (v[0] - v[1]) / (t[1] - t[0])).fold(0.0, f64::max);
     assert!(braking < 0.6 * 0.4 * GRAVITY, "{braking}");
     assert!(speed.iter().all(|v| *v < 0.26));
     // The tool neither turns nor leaves the line.
@@ -131,8 +133,15 @@ fn what_would_tip_is_not_pushed() {
 /// The board ends 0.19 m beside the object: with its foot over the edge it would tip sooner.
 #[test]
 fn nothing_is_pushed_over_an_edge() {
-    let alone = |text: String| text.lines().filter(|l| !l.contains("id: beside") && !l.contains("id: other")).collect::<Vec<_>>().join("\n");
-    let narrow = |width: f64| alone(scene(CAN, "")).replace("{id: floor, box: {size: [0.6, 1.0, 0.02]}", &format!("{{id: floor, box: {{size: [0.6, {width}, 0.02]}}"));
+    let alone = |text: String| {
+        text.lines().filter(|l| !l.contains("id: beside") && !l.contains("id: other")).collect::<Vec<_>>().join("\n")
+    };
+    let narrow = |width: f64| {
+        alone(scene(CAN, "")).replace(
+            "{id: floor, box: {size: [0.6, 1.0, 0.02]}",
+            &format!("{{id: floor, box: {{size: [0.6, {width}, 0.02]}}"),
+        )
+    };
     let mut pushed = 0;
     for width in [0.30, 0.34, 0.38, 0.42, 0.5] {
         let plan = plan_with(&narrow(width), Pushes::Prefer, |_| ());
@@ -153,7 +162,12 @@ fn what_carries_something_is_not_pushed() {
         "  - {id: lid, cylinder: {radius: 0.03, height: 0.05}, position: [0.75, 0.0, 0.865]}\ntarget: wanted",
     );
     let told = plan_with(&text, Pushes::Prefer, |_| ());
-    assert!(told.why.objects.iter().any(|o| o.object == "blocker" && o.push.contains("it stands on another object or carries one")));
+    assert!(
+        told.why
+            .objects
+            .iter()
+            .any(|o| o.object == "blocker" && o.push.contains("it stands on another object or carries one"))
+    );
 }
 
 /// Between posts there is no room to push it to.
@@ -167,7 +181,10 @@ fn without_room_it_is_picked() {
     .join("\n");
     let told = why_not(&plan_with(&scene(CAN, &posts), Pushes::Prefer, |_| ()), "blocker");
     assert!(told.starts_with("picked: "), "{told}");
-    assert!(told.contains("no room to push it") || told.contains("would tip") || told.contains("does not get round"), "{told}");
+    assert!(
+        told.contains("no room to push it") || told.contains("would tip") || told.contains("does not get round"),
+        "{told}"
+    );
 }
 
 /// What is pushed aside keeps the scene's clearance and the margin of error from everything on its way.

@@ -151,7 +151,8 @@ fn ways_looked_into_up_to_a_limit_are_those_of_all_within_it() {
     let floor = Floor::new(&scene, &robot);
     let settings = ways::Settings::default();
     let all = ObjectSet::first(scene.objects.len());
-    let explorer = Explorer { world: &world, inverse: &inverse, floor: &floor, settings: &settings, moved_to: None, empty: false };
+    let explorer =
+        Explorer { world: &world, inverse: &inverse, floor: &floor, settings: &settings, moved_to: None, empty: false };
     let (mut scratch, budget) = (Scratch::default(), Budget::unlimited());
     let mut some = 0;
     for object in all.iter() {

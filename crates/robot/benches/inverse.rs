@@ -22,7 +22,10 @@ fn main() {
     if names.is_empty() {
         names = BUILT_IN.map(str::to_owned).to_vec();
     }
-    println!("{:>9} {:>10} {:>10} {:>12} {:>14} {:>16} {:>12}  robot", "answered", "postures", "µs", "slowest µs", "line steps", "µs a step", "none, µs");
+    println!(
+        "{:>9} {:>10} {:>10} {:>12} {:>14} {:>16} {:>12}  robot",
+        "answered", "postures", "µs", "slowest µs", "line steps", "µs a step", "none, µs"
+    );
     for name in names {
         let robot = Robot::load(&name, Path::new("."), &[]).unwrap_or_else(|e| panic!("{e}"));
         measure(&name, &robot);
@@ -34,9 +37,12 @@ fn measure(name: &str, robot: &Robot) {
     let inverse = InverseKinematics::new(robot, &kinematics);
     let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
     let (mut answered, mut postures, mut steps, mut wanted_steps) = (0, 0, 0, 0);
-    let (mut solving, mut slowest, mut following, mut refusing) = (Duration::ZERO, Duration::ZERO, Duration::ZERO, Duration::ZERO);
+    let (mut solving, mut slowest, mut following, mut refusing) =
+        (Duration::ZERO, Duration::ZERO, Duration::ZERO, Duration::ZERO);
     for _ in 0..POSES {
-        let q: Vec<f64> = (0..robot.arm.len()).map(|j| random.random_range(robot.lower[j].max(-PI)..robot.upper[j].min(PI))).collect();
+        let q: Vec<f64> = (0..robot.arm.len())
+            .map(|j| random.random_range(robot.lower[j].max(-PI)..robot.upper[j].min(PI)))
+            .collect();
         let wanted = kinematics.tool(&q, 0.0);
         let began = Instant::now();
         let found = inverse.solve(&wanted, &robot.home);
@@ -45,7 +51,9 @@ fn measure(name: &str, robot: &Robot) {
         answered += usize::from(!found.is_empty());
         postures += found.len();
 
-        let along = Vec3::new(random.random_range(-1.0..1.0), random.random_range(-1.0..1.0), random.random_range(-1.0..1.0)).normalize_or_zero();
+        let along =
+            Vec3::new(random.random_range(-1.0..1.0), random.random_range(-1.0..1.0), random.random_range(-1.0..1.0))
+                .normalize_or_zero();
         let mut trail = vec![q];
         let began = Instant::now();
         for i in 1..=STEPS {
@@ -83,8 +91,11 @@ fn measure(name: &str, robot: &Robot) {
 /// The closed form at one value of the swept joint.
 fn one_value(robot: &Robot, kinematics: &Kinematics, closed: &SphericalShoulder) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(2);
-    let postures: Vec<Vec<f64>> =
-        (0..POSES).map(|_| robot.lower.iter().zip(&robot.upper).map(|(&l, &u)| random.random_range(l.max(-PI)..u.min(PI))).collect()).collect();
+    let postures: Vec<Vec<f64>> = (0..POSES)
+        .map(|_| {
+            robot.lower.iter().zip(&robot.upper).map(|(&l, &u)| random.random_range(l.max(-PI)..u.min(PI))).collect()
+        })
+        .collect();
     let poses: Vec<Pose> = postures.iter().map(|q| kinematics.tool(q, 0.0)).collect();
     const ROUNDS: usize = 20;
     let mut branches = 0;

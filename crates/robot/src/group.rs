@@ -128,7 +128,8 @@ impl Group {
     pub fn attach(&mut self, name: &str, link: usize, solid: &Solid, link_from_solid: Pose, touching: &[usize]) {
         // Once a pair is named, neighbours are no longer left out by themselves.
         if self.disabled_pairs.is_empty() {
-            let shaped: Vec<usize> = (0..self.links.len()).filter(|&l| !self.links[l].collision.parts.is_empty()).collect();
+            let shaped: Vec<usize> =
+                (0..self.links.len()).filter(|&l| !self.links[l].collision.parts.is_empty()).collect();
             for &a in &shaped {
                 let near = shaped.iter().filter(|&&b| a < b && self.adjacent(a, b));
                 let pairs: Vec<_> = near.map(|&b| (a, b)).collect();

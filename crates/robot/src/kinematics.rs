@@ -166,9 +166,7 @@ impl Kinematics {
                 Motion::Turn { axis, source } => {
                     Pose::new(joint.rotation * Mat3::from_axis_angle(*axis, value(source)), joint.translation)
                 }
-                Motion::Slide { axis, source } => {
-                    Pose::new(joint.rotation, joint.point(*axis * value(source)))
-                }
+                Motion::Slide { axis, source } => Pose::new(joint.rotation, joint.point(*axis * value(source))),
             });
         }
     }
@@ -182,7 +180,9 @@ impl Kinematics {
             let value = |s: &Source| s.multiplier * posture.get(s.variable).copied().unwrap_or(hand) + s.offset;
             let moved = match &step.motion {
                 Motion::Still => pose,
-                Motion::Turn { axis, source } => Pose::new(Mat3::from_axis_angle(*axis, value(source)), Vec3::ZERO) * pose,
+                Motion::Turn { axis, source } => {
+                    Pose::new(Mat3::from_axis_angle(*axis, value(source)), Vec3::ZERO) * pose
+                }
                 Motion::Slide { axis, source } => Pose::new(pose.rotation, pose.translation + *axis * value(source)),
             };
             pose = step.parent_from_joint * moved;
@@ -210,11 +210,8 @@ impl Kinematics {
             };
             // A joint's own link, not those that mimic it.
             if source.variable < self.arm_joints && source.multiplier == 1.0 && source.offset == 0.0 {
-                out[source.variable] = JointAxis {
-                    origin: frames[index].translation,
-                    direction: frames[index].rotation * axis,
-                    slides,
-                };
+                out[source.variable] =
+                    JointAxis { origin: frames[index].translation, direction: frames[index].rotation * axis, slides };
             }
         }
     }

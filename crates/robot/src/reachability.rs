@@ -81,7 +81,10 @@ impl Reachability {
     /// Of an arm whose joints have these ranges.
     pub fn of(kinematics: &Kinematics, lower: &[f64], upper: &[f64]) -> Self {
         let ranges = || {
-            lower.iter().zip(upper).map(|(&l, &u)| (if l.is_finite() { l } else { -PI }, if u.is_finite() { u } else { PI }))
+            lower
+                .iter()
+                .zip(upper)
+                .map(|(&l, &u)| (if l.is_finite() { l } else { -PI }, if u.is_finite() { u } else { PI }))
         };
         let mut frames = Vec::new();
         let tools: Vec<Aim> = (0..SAMPLES)
@@ -113,7 +116,8 @@ impl Reachability {
 
     /// No tool was met farther from the root's axis, metres.
     pub fn farthest(&self) -> f64 {
-        let (low, high) = (self.low.truncate(), self.low.truncate() + CELL * Vec2::new(self.count[0] as f64, self.count[1] as f64));
+        let (low, high) =
+            (self.low.truncate(), self.low.truncate() + CELL * Vec2::new(self.count[0] as f64, self.count[1] as f64));
         low.abs().max(high.abs()).length()
     }
 
@@ -124,7 +128,9 @@ impl Reachability {
         let at = (level.extend(off.z) - self.low) / CELL;
         let inside = at.to_array().iter().zip(self.count).all(|(v, n)| *v >= 0.0 && *v < n as f64);
         let class = match aim.pointing {
-            Pointing::Level { yaw } => (((yaw - root.yaw + PI).rem_euclid(TAU) / TAU * YAWS as f64) as usize).min(YAWS - 1),
+            Pointing::Level { yaw } => {
+                (((yaw - root.yaw + PI).rem_euclid(TAU) / TAU * YAWS as f64) as usize).min(YAWS - 1)
+            }
             Pointing::Up => YAWS,
             Pointing::Down => YAWS + 1,
         };

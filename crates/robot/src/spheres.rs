@@ -40,9 +40,9 @@ pub fn bounding(spheres: &[Sphere]) -> Sphere {
     let Some(first) = spheres.first() else { return Sphere { centre: Vec3::ZERO, radius: 0.0 } };
     // Ritter's: start with a far pair, then grow.
     let far = |from: Vec3| {
-        spheres.iter().max_by(|a, b| {
-            (a.centre.distance(from) + a.radius).total_cmp(&(b.centre.distance(from) + b.radius))
-        })
+        spheres
+            .iter()
+            .max_by(|a, b| (a.centre.distance(from) + a.radius).total_cmp(&(b.centre.distance(from) + b.radius)))
     };
     let a = far(first.centre).unwrap_or(first);
     let b = far(a.centre).unwrap_or(first);
@@ -82,7 +82,8 @@ fn cover_convex(convex: &Convex, cell: f64) -> Vec<Sphere> {
         Convex::Cylinder { radius, half } => grid(Vec3::new(*radius, *radius, *half), Vec3::ZERO, cell, convex),
         Convex::Box { half } => grid(*half, Vec3::ZERO, cell, convex),
         Convex::Hull(hull) => {
-            let (min, max) = hull.points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
+            let (min, max) =
+                hull.points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
             grid((max - min) / 2.0, (max + min) / 2.0, cell, convex)
         }
     }
@@ -106,7 +107,13 @@ fn grid(half: Vec3, centre: Vec3, cell: f64, convex: &Convex) -> Vec<Sphere> {
         for j in 0..count.y as usize {
             for k in 0..count.z as usize {
                 let at = centre - half + step * (Vec3::new(i as f64, j as f64, k as f64) + 0.5);
-                if clearway_geometry::distance::closer_than(convex, &Pose::IDENTITY, &brick, &Pose::from_translation(at), 1e-9) {
+                if clearway_geometry::distance::closer_than(
+                    convex,
+                    &Pose::IDENTITY,
+                    &brick,
+                    &Pose::from_translation(at),
+                    1e-9,
+                ) {
                     spheres.push(Sphere { centre: at, radius });
                 }
             }
@@ -121,7 +128,8 @@ mod tests {
 
     #[test]
     fn every_point_is_covered() {
-        let cube: Vec<Vec3> = (0..8).map(|i| Vec3::new((i & 1) as f64 * 0.1, (i >> 1 & 1) as f64 * 0.2, (i >> 2) as f64 * 0.3)).collect();
+        let cube: Vec<Vec3> =
+            (0..8).map(|i| Vec3::new((i & 1) as f64 * 0.1, (i >> 1 & 1) as f64 * 0.2, (i >> 2) as f64 * 0.3)).collect();
         let hull = clearway_geometry::hull::convex_hull(&cube).expect("a box");
         let shapes = [
             Convex::Capsule { radius: 0.05, half: 0.2 },

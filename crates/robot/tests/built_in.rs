@@ -162,7 +162,8 @@ fn panda_opens_as_its_table_says() {
         let value = |j: usize| if j == lead { q } else { 0.0 };
         for (finger, side) in [("panda_leftfinger", 1.0), ("panda_rightfinger", -1.0)] {
             let link = robot.link(finger).expect("a finger");
-            let tool_from_link = root_from(&robot, robot.hand.frame, &value).inverse() * root_from(&robot, link, &value);
+            let tool_from_link =
+                root_from(&robot, robot.hand.frame, &value).inverse() * root_from(&robot, link, &value);
             let (pose, convex) = &robot.links[link].collision.parts[2];
             let Convex::Box { half } = convex else { panic!("a box") };
             let pad = tool_from_link * *pose;

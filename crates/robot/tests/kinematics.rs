@@ -27,7 +27,8 @@ fn forward_kinematics_are_those_of_k() {
         let q = posture(&robot, &mut random);
         let opening = random.random_range(lead.lower..lead.upper);
         ours.frames(&q, opening, &mut frames);
-        let set = |name: &str, value| theirs.find(name).expect("a joint").set_joint_position(value).expect("within limits");
+        let set =
+            |name: &str, value| theirs.find(name).expect("a joint").set_joint_position(value).expect("within limits");
         for (name, &value) in robot.arm_names().iter().zip(&q) {
             set(name, value);
         }
@@ -86,7 +87,11 @@ fn closed_form(name: &str, robot: &Robot) {
             lost.push(q);
         }
     }
-    println!("{name}: {tried} poses, {:.2} branches each, worst {worst:.1e}, {} lost", branches as f64 / f64::from(tried), lost.len());
+    println!(
+        "{name}: {tried} poses, {:.2} branches each, worst {worst:.1e}, {} lost",
+        branches as f64 / f64::from(tried),
+        lost.len()
+    );
     assert!(lost.is_empty(), "{name}: {} of {tried} lost, the first {:?}", lost.len(), lost[0]);
     assert!(worst <= 1e-9, "{name}: {worst:e}");
 }
@@ -108,7 +113,10 @@ fn closed_form_whatever_the_signs_of_the_axes() {
 #[test]
 fn closed_form_on_a_tilted_base() {
     closed_form("ur5 on a slope", &arms::ur5([1.0; 6], ([0.3, -0.2, 0.7], [0.4, -0.9, 2.1])));
-    closed_form("ur5 from the ceiling", &arms::ur5([1.0, -1.0, 1.0, 1.0, 1.0, -1.0], ([0.0, 0.0, 2.0], [PI, 0.0, 0.0])));
+    closed_form(
+        "ur5 from the ceiling",
+        &arms::ur5([1.0, -1.0, 1.0, 1.0, 1.0, -1.0], ([0.0, 0.0, 2.0], [PI, 0.0, 0.0])),
+    );
 }
 
 /// Chains that no closed form fits: poses of random postures are answered, soundly.
@@ -134,7 +142,10 @@ fn numeric_answers_bring_the_tool_back() {
                 assert!(arms::inside(&robot, answer), "{name}: {answer:?}");
             }
         }
-        println!("{name}: {answered} of {POSES} poses answered, {:.1} postures each, worst {worst:.1e}", answers as f64 / answered as f64);
+        println!(
+            "{name}: {answered} of {POSES} poses answered, {:.1} postures each, worst {worst:.1e}",
+            answers as f64 / answered as f64
+        );
         assert!(worst <= 2e-9, "{name}: {worst:e}");
         assert!(answered * 100 >= POSES * 99, "{name}: only {answered} of {POSES} poses answered");
     }

@@ -120,7 +120,10 @@ fn planted_postures_come_back() {
                 }
             }
         }
-        println!("{name}: {tried} poses, {:.2} branches each, at most {most}, worst {worst:.1e}", f64::from(branches as u32) / f64::from(tried));
+        println!(
+            "{name}: {tried} poses, {:.2} branches each, at most {most}, worst {worst:.1e}",
+            f64::from(branches as u32) / f64::from(tried)
+        );
         assert!(worst <= if name == "xarm7" { 5e-5 } else { 1e-8 }, "{name}: {worst:e}");
         assert!(most <= 8 && (name != "a loose panda" || most == 8));
     }
@@ -181,7 +184,9 @@ fn a_search_finds_no_other_branches() {
             let wanted = kinematics.tool(&q, 0.0);
             let found = at(&closed, &wanted, q[6]);
             let mut searched = search(&kinematics, &wanted, q[6], 120, &mut random);
-            searched.retain(|s| s.iter().zip(&robot.lower).zip(&robot.upper).all(|((q, l), u)| (q - l).rem_euclid(TAU) <= u - l));
+            searched.retain(|s| {
+                s.iter().zip(&robot.lower).zip(&robot.upper).all(|((q, l), u)| (q - l).rem_euclid(TAU) <= u - l)
+            });
             for s in &searched {
                 assert!(found.iter().any(|f| same(f, s, 1e-4)), "{name}: {s:?} is not among {found:?}");
             }
@@ -215,7 +220,10 @@ fn solutions_over_the_sweep_are_sound_and_differ() {
             let beyond = Pose::new(wanted.rotation, wanted.translation + Vec3::new(2.0, 1.0, -1.0));
             assert!(inverse.solve(&beyond, &q).is_empty());
         }
-        println!("{name}: {answered} of {POSES} answered, {:.1} postures each, worst {worst:.1e}", postures as f64 / answered as f64);
+        println!(
+            "{name}: {answered} of {POSES} answered, {:.1} postures each, worst {worst:.1e}",
+            postures as f64 / answered as f64
+        );
         assert!(worst <= 2e-9, "{name}: {worst:e}");
         // The planted value of the last joint is among those tried, so all but singular ones.
         assert!(answered * 1000 >= POSES * 998, "{name}: {answered} of {POSES}");

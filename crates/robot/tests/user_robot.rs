@@ -147,7 +147,8 @@ fn what_is_mounted_is_the_first_shape_below_the_root() {
     let mounted = |urdf: &str| {
         let directory = written(FILE, urdf, SRDF);
         let robot = load_from(directory.path()).expect("the small robot");
-        let links: Vec<String> = (0..robot.links.len()).filter(|&l| robot.mounted(l)).map(|l| robot.links[l].name.clone()).collect();
+        let links: Vec<String> =
+            (0..robot.links.len()).filter(|&l| robot.mounted(l)).map(|l| robot.links[l].name.clone()).collect();
         links
     };
     assert_eq!(mounted(URDF), ["base"]);

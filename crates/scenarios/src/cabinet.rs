@@ -83,7 +83,8 @@ pub fn draw(recipe: &Recipe, objects: usize, random: &mut impl Rng) -> Result<Sc
             let height = uniform(random, recipe.height);
             let margin = radius + gap;
             // The target is drawn first, at the back.
-            let front = if i == 0 { FRONT + (depth * recipe.behind).max(margin).min(depth - margin) } else { FRONT + margin };
+            let front =
+                if i == 0 { FRONT + (depth * recipe.behind).max(margin).min(depth - margin) } else { FRONT + margin };
             let free = (0..PLACES).find_map(|_| {
                 let x = uniform(random, [front, FRONT + depth - margin]);
                 let y = uniform(random, [-width / 2.0 + margin, width / 2.0 - margin]);
@@ -114,7 +115,12 @@ pub(crate) fn tidy(v: f64) -> f64 {
 }
 
 pub(crate) fn bx(id: &str, size: [f64; 3], position: [f64; 3]) -> Body {
-    Body { id: id.to_owned(), r#box: Some(BoxKeys { size: size.map(tidy) }), position: position.map(tidy), ..Body::default() }
+    Body {
+        id: id.to_owned(),
+        r#box: Some(BoxKeys { size: size.map(tidy) }),
+        position: position.map(tidy),
+        ..Body::default()
+    }
 }
 
 /// Upright on a floor of this height.
@@ -141,7 +147,11 @@ pub(crate) fn scene(discs: &[Disc], target: usize, width: f64, depth: f64) -> Sc
         bx("shelf_top", [depth, width + 2.0 * WALL, WALL], [middle, 0.0, FLOOR + HEIGHT + WALL / 2.0]),
         bx("shelf_left", [depth, WALL, HEIGHT], [middle, side, mid_height]),
         bx("shelf_right", [depth, WALL, HEIGHT], [middle, -side, mid_height]),
-        bx("shelf_back", [WALL, width + 2.0 * WALL, HEIGHT + 2.0 * WALL], [FRONT + depth + WALL / 2.0, 0.0, mid_height]),
+        bx(
+            "shelf_back",
+            [WALL, width + 2.0 * WALL, HEIGHT + 2.0 * WALL],
+            [FRONT + depth + WALL / 2.0, 0.0, mid_height],
+        ),
         bx("table", [0.54, 0.84, 0.03], [0.1, -0.82, 0.485]),
         bx("pedestal", [0.24, 0.24, 0.3], [0.0, 0.0, 0.15]),
     ];

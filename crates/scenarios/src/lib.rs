@@ -49,7 +49,9 @@ pub struct Drawn {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoScene {
     /// So many objects do not fit; about this many did.
-    DoesNotFit { fitted: usize },
+    DoesNotFit {
+        fitted: usize,
+    },
     /// More removals asked for than there are objects.
     TooManyRemovals,
     NoObjects,
@@ -105,7 +107,8 @@ pub fn table(wanted: &Wanted, contrast: bool) -> Result<Drawn, NoScene> {
     draw_until(wanted, table::ROBOT, "table", draw, |scene, model| {
         if contrast {
             let fixed = mobile::Settings { drives: false, ..mobile::Settings::default() };
-            let has = |most: usize, mobile: &mobile::Settings| can_be_planned(scene.clone(), model.clone(), most, mobile);
+            let has =
+                |most: usize, mobile: &mobile::Settings| can_be_planned(scene.clone(), model.clone(), most, mobile);
             let driving = mobile::Settings::default();
             return Ok(!has(2, &fixed)? && has(2, &driving)? && !has(1, &driving)? && has(wanted.objects, &fixed)?);
         }
@@ -140,18 +143,27 @@ pub fn stacked(wanted: &Wanted) -> Result<Drawn, NoScene> {
         let of_the_two = |set: &ObjectSet| set.iter().any(|o| below.contains(&name(o)));
         let ways = ways.unwrap_or_default();
         let figure = |o: ObjectId| below.contains(&name(o)) || top.as_ref() == Some(&name(o));
-        let one_does = |set: &ObjectSet| set.iter().all(figure) && set.iter().filter(|o| below.contains(&name(*o))).count() == 1;
+        let one_does =
+            |set: &ObjectSet| set.iter().all(figure) && set.iter().filter(|o| below.contains(&name(*o))).count() == 1;
         if !ways.iter().all(of_the_two) || !ways.iter().any(one_does) {
             return Ok(false);
         }
-        let removed = planner.plan(&Request { most_removals: Some(least), ..Request::new(1, guarded()) }, &mut Silent).plan.removed;
+        let removed = planner
+            .plan(&Request { most_removals: Some(least), ..Request::new(1, guarded()) }, &mut Silent)
+            .plan
+            .removed;
         Ok(matches!(removed.as_slice(), [first, second, _] if Some(first) == top.as_ref() && below.contains(second)))
     };
     draw_until(wanted, ROBOT, "stacked", draw, as_wanted)
 }
 
 /// Whether there is a plan with at most so many removals, as far as the planner can tell.
-fn can_be_planned(scene: Scene, model: Arc<CollisionModel>, most: usize, mobile: &mobile::Settings) -> Result<bool, NoScene> {
+fn can_be_planned(
+    scene: Scene,
+    model: Arc<CollisionModel>,
+    most: usize,
+    mobile: &mobile::Settings,
+) -> Result<bool, NoScene> {
     let settings = Settings { mobile: mobile.clone(), ..Settings::default() };
     let mut planner = Planner::with_model(scene, model, settings).map_err(unsound)?;
     let request = Request { most_removals: Some(most), ..Request::new(1, guarded()) };
@@ -188,7 +200,8 @@ fn draw_until(
     loop {
         let mut file = draw(&mut random)?;
         file.name = format!("{kind}-{}-{}", wanted.objects, wanted.seed);
-        let scene = Scene::from_file_struct(file.clone(), Path::new(".")).map_err(|e| NoScene::Unsound(e.to_string()))?;
+        let scene =
+            Scene::from_file_struct(file.clone(), Path::new(".")).map_err(|e| NoScene::Unsound(e.to_string()))?;
         // As it was read, on what carries it; defaults are left to whoever reads it next.
         for (drawn, read) in file.objects.iter_mut().zip(&scene.file.objects) {
             drawn.position = read.position;

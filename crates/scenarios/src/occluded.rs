@@ -34,7 +34,12 @@ const FIELD_OF_VIEW: f64 = 1.5;
 pub(crate) fn draw(objects: usize, random: &mut impl Rng) -> Result<SceneFile, NoScene> {
     let cabinet::Recipe { width, depth, radius, height, .. } = cabinet::shelf(objects);
     let columns = objects.div_ceil(DEEP).min(COLUMNS).min(objects.saturating_sub(1)).max(1);
-    let camera = Camera { position: EYE, look_at: [FRONT + depth / 2.0, 0.0, FLOOR + 0.15], fov: FIELD_OF_VIEW, enter_unseen: false };
+    let camera = Camera {
+        position: EYE,
+        look_at: [FRONT + depth / 2.0, 0.0, FLOOR + 0.15],
+        fov: FIELD_OF_VIEW,
+        enter_unseen: false,
+    };
     let view = View::new(&camera);
     let mut fitted = 0;
     for _ in 0..STARTS {
@@ -57,7 +62,8 @@ pub(crate) fn draw(objects: usize, random: &mut impl Rng) -> Result<SceneFile, N
                 let disc = Disc { x, y, radius: r, height: h };
                 let apart = |d: &Disc| (d.x - x).hypot(d.y - y) >= d.radius + r + GAP;
                 // The target is behind one that is hidden itself.
-                (discs.iter().all(apart) && part_seen(&view, &disc, &discs) < HIDDEN
+                (discs.iter().all(apart)
+                    && part_seen(&view, &disc, &discs) < HIDDEN
                     && (!last || objects <= columns + 1 || part_seen(&view, &disc, &discs[columns..]) < HIDDEN))
                     .then_some(disc)
             });

@@ -57,7 +57,8 @@ pub(crate) fn draw(objects: usize, random: &mut impl Rng) -> Result<Figure, NoSc
         let at = uniform(random, TARGET);
         let y = uniform(random, [-ASIDE, ASIDE]);
         (target.x, target.y, target.height) = (FRONT + at, y, uniform(random, HEIGHT));
-        let (x, height, between) = (FRONT + at - uniform(random, BEFORE), uniform(random, HEIGHT), uniform(random, BETWEEN) / 2.0);
+        let (x, height, between) =
+            (FRONT + at - uniform(random, BEFORE), uniform(random, HEIGHT), uniform(random, BETWEEN) / 2.0);
         let off = uniform(random, OFF) * if random.random::<bool>() { 1.0 } else { -1.0 };
         (left.x, left.y, left.height) = (x, y + off + left.radius + between, height);
         (right.x, right.y, right.height) = (x, y + off - right.radius - between, height);
@@ -109,7 +110,8 @@ fn scene(discs: &[Disc], figure: usize, width: f64, depth: f64, random: &mut imp
     let name = |i: usize| format!("o{}", order.iter().position(|o| *o == i).unwrap_or(0) + 1);
     let (target, top) = (name(0), stacked.then(|| name(figure - 1)));
     let below = if stacked { (1..figure - 1).map(name).collect() } else { Vec::new() };
-    file.objects = order.iter().enumerate().map(|(i, o)| Body { id: format!("o{}", i + 1), ..bodies[*o].clone() }).collect();
+    file.objects =
+        order.iter().enumerate().map(|(i, o)| Body { id: format!("o{}", i + 1), ..bodies[*o].clone() }).collect();
     file.target = target;
     Figure { file, top, below }
 }

@@ -70,7 +70,11 @@ fn scene(discs: &[Disc], target: usize, clutter: f64) -> SceneFile {
     }
     let along = 2.0 * half - 2.0 * STRIP;
     let middle = half - STRIP / 2.0;
-    let place = |id: &str, size: [f64; 2], x: f64, y: f64| PlaceArea { id: id.to_owned(), size: size.map(tidy), position: [tidy(x), tidy(y), TOP] };
+    let place = |id: &str, size: [f64; 2], x: f64, y: f64| PlaceArea {
+        id: id.to_owned(),
+        size: size.map(tidy),
+        position: [tidy(x), tidy(y), TOP],
+    };
     let far = tidy(half + AROUND);
     SceneFile {
         format: FORMAT.to_owned(),

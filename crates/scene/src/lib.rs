@@ -197,7 +197,18 @@ impl Scene {
             .map(|p| Place { id: p.id.clone(), size: Vec2::from(p.size), centre: Vec3::from(p.position) })
             .collect();
         let names = objects.iter().map(|o| o.id.clone()).collect();
-        Ok(Scene { file, directory: directory.to_owned(), names, objects, fixtures, target, places, base, meshes, hidden: Vec::new() })
+        Ok(Scene {
+            file,
+            directory: directory.to_owned(),
+            names,
+            objects,
+            fixtures,
+            target,
+            places,
+            base,
+            meshes,
+            hidden: Vec::new(),
+        })
     }
 
     /// All objects.

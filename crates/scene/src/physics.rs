@@ -21,7 +21,14 @@ pub(crate) fn check(source: &Source, file: &SceneFile) -> Result<(), FileError> 
     number(source, "friction", "the friction", file.friction, FRICTIONS, COEFFICIENT)?;
     for (i, object) in file.objects.iter().enumerate() {
         let id = quoted(&object.id);
-        number(source, &format!("objects.{i}.mass"), &format!("the mass of object {id}"), object.mass, MASSES, "kilograms")?;
+        number(
+            source,
+            &format!("objects.{i}.mass"),
+            &format!("the mass of object {id}"),
+            object.mass,
+            MASSES,
+            "kilograms",
+        )?;
         let what = format!("the friction of object {id}");
         number(source, &format!("objects.{i}.friction"), &what, object.friction, FRICTIONS, COEFFICIENT)?;
     }
@@ -41,7 +48,14 @@ pub(crate) fn not_given(source: &Source, keys: &str, body: &Body) -> Result<(), 
     })
 }
 
-fn number(source: &Source, keys: &str, what: &str, value: Option<f64>, range: RangeInclusive<f64>, unit: &str) -> Result<(), FileError> {
+fn number(
+    source: &Source,
+    keys: &str,
+    what: &str,
+    value: Option<f64>,
+    range: RangeInclusive<f64>,
+    unit: &str,
+) -> Result<(), FileError> {
     // Written so that NaN fails too.
     match value.filter(|v| !range.contains(v)) {
         None => Ok(()),

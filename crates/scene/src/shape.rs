@@ -236,10 +236,16 @@ impl<'a> Reader<'a> {
         path
     }
 
-    fn points(&mut self, keys: &str, whose: &str, cloud: &PointsKeys, radius: f64) -> Result<Vec<(Pose, Convex)>, FileError> {
+    fn points(
+        &mut self,
+        keys: &str,
+        whose: &str,
+        cloud: &PointsKeys,
+        radius: f64,
+    ) -> Result<Vec<(Pose, Convex)>, FileError> {
         let path = self.resolve(keys, whose, &cloud.file)?;
-        let (points, sha256) =
-            points::load_with_sha256(&path).map_err(|e| self.source.reference(&format!("{keys}.file"), e).about(whose))?;
+        let (points, sha256) = points::load_with_sha256(&path)
+            .map_err(|e| self.source.reference(&format!("{keys}.file"), e).about(whose))?;
         if !self.meshes.iter().any(|m| m.uri == cloud.file) {
             self.meshes.push(MeshSource { uri: cloud.file.clone(), path, sha256 });
         }

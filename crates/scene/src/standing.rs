@@ -78,7 +78,8 @@ impl Scene {
     /// Of some objects, standing where the scene has them and no others, those on other objects that would fall. What
     /// was moved to where nothing carries it is left alone: a place may be no fixture.
     pub fn fallen(&self, standing: ObjectSet) -> ObjectSet {
-        let stacked = |o: &ObjectId| matches!(&self.objects[o.index()].support, Support::Objects(below) if !below.is_empty());
+        let stacked =
+            |o: &ObjectId| matches!(&self.objects[o.index()].support, Support::Objects(below) if !below.is_empty());
         let falls = |o: &ObjectId| !self.stands(*o, &self.objects[o.index()].pose, standing);
         standing.iter().filter(stacked).filter(falls).collect()
     }

@@ -119,20 +119,45 @@ fn sizes() {
 
 #[test]
 fn mass_friction_and_clearance() {
-    refused("target: o2", "friction: -0.4\ntarget: o2", (16, 11), &["the friction is -0.4, expected a number from 0.01 to 3", "leave the key out for 0.4"]);
+    refused(
+        "target: o2",
+        "friction: -0.4\ntarget: o2",
+        (16, 11),
+        &["the friction is -0.4, expected a number from 0.01 to 3", "leave the key out for 0.4"],
+    );
     refused("target: o2", "friction: .nan\ntarget: o2", (16, 11), &["the friction is NaN"]);
-    refused("target: o2", "clearance: -0.001\ntarget: o2", (16, 12), &["the clearance is -0.001, expected a number from 0 to 0.2, metres"]);
+    refused(
+        "target: o2",
+        "clearance: -0.001\ntarget: o2",
+        (16, 12),
+        &["the clearance is -0.001, expected a number from 0 to 0.2, metres"],
+    );
     refused("target: o2", "clearance: 5\ntarget: o2", (16, 12), &["the clearance is 5"]);
-    refused("{id: o1, ", "{id: o1, mass: 0, ", (10, 20), &["the mass of object `o1` is 0, expected a number from 0.0001 to 1000, kilograms", "500 kg/m³"]);
+    refused(
+        "{id: o1, ",
+        "{id: o1, mass: 0, ",
+        (10, 20),
+        &["the mass of object `o1` is 0, expected a number from 0.0001 to 1000, kilograms", "500 kg/m³"],
+    );
     refused("{id: o1, ", "{id: o1, mass: 1e9, ", (10, 20), &["the mass of object `o1` is 1e9"]);
     refused("{id: o1, ", "{id: o1, friction: 50, ", (10, 24), &["the friction of object `o1` is 50"]);
-    refused("{id: floor, ", "{id: floor, friction: 0.3, ", (7, 27), &["`floor` has the key `friction`, expected no `friction`: only objects have one"]);
+    refused(
+        "{id: floor, ",
+        "{id: floor, friction: 0.3, ",
+        (7, 27),
+        &["`floor` has the key `friction`, expected no `friction`: only objects have one"],
+    );
 }
 
 /// What is left out is filled in, and shown in the plan.
 #[test]
 fn defaults_of_mass_and_friction() {
-    let scene = read(&GOOD.replace("target: o2", "friction: 0.3\ntarget: o2").replace("{id: o1, ", "{id: o1, mass: 0.2, friction: 0.9, ")).unwrap();
+    let scene = read(
+        &GOOD
+            .replace("target: o2", "friction: 0.3\ntarget: o2")
+            .replace("{id: o1, ", "{id: o1, mass: 0.2, friction: 0.9, "),
+    )
+    .unwrap();
     let of = |i: usize| (scene.file.objects[i].mass.unwrap(), scene.file.objects[i].friction.unwrap());
     assert_eq!(of(0), (0.2, 0.9));
     // π · 0.04² · 0.26 m³ at 500 kg/m³.
@@ -330,7 +355,10 @@ fn falling() {
         "target: o2\n",
         &stack(1.0),
         (16, 55),
-        &["object `o4` does not stand with `o5` on it", "help: together their centre of mass is 5.4 mm outside what carries them (`o1` and `o2`)"],
+        &[
+            "object `o4` does not stand with `o5` on it",
+            "help: together their centre of mass is 5.4 mm outside what carries them (`o1` and `o2`)",
+        ],
     );
     assert!(read(&GOOD.replace("target: o2\n", &stack(0.95))).is_ok());
     // Half a millimetre over the edge is noise.

@@ -30,7 +30,9 @@ pub fn look_at(view: &View, object: Standing, others: &[Standing]) -> Seen {
     let other_way = axis.cross(across);
     // As wide and as high as the box round it looks, at its distance.
     let spread = |way: Vec3| {
-        let corner = |i: usize| (low + (high - low) * Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64)) - view.eye;
+        let corner = |i: usize| {
+            (low + (high - low) * Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64)) - view.eye
+        };
         (0..8).map(corner).map(|c| (c.dot(way) / c.dot(axis).max(1e-3)).abs() * far).fold(0.0, f64::max)
     };
     let (wide, tall) = (spread(across), spread(other_way));
@@ -44,7 +46,8 @@ pub fn look_at(view: &View, object: Standing, others: &[Standing]) -> Seen {
             let (middle, around) = ((low + high) / 2.0 - view.eye, low.distance(high) / 2.0);
             let along = middle.dot(axis);
             let off = (middle - axis * along).length();
-            along - around < far + radius && off < around + (along.max(0.0) + around) * cone / (1.0 - cone * cone).max(1e-6).sqrt()
+            along - around < far + radius
+                && off < around + (along.max(0.0) + around) * cone / (1.0 - cone * cone).max(1e-6).sqrt()
         })
         .map(|(i, o)| (i, *o))
         .collect();
@@ -58,7 +61,8 @@ pub fn look_at(view: &View, object: Standing, others: &[Standing]) -> Seen {
         if !view.holds(direction) {
             continue;
         }
-        let before = |(index, o): &(usize, Standing)| Some((ray::meets_solid(o.solid, o.pose, view.eye, direction)?, *index));
+        let before =
+            |(index, o): &(usize, Standing)| Some((ray::meets_solid(o.solid, o.pose, view.eye, direction)?, *index));
         match near.iter().filter_map(before).filter(|(t, _)| *t < reach).min_by(|a, b| a.0.total_cmp(&b.0)) {
             Some((_, index)) => stopped[index] += 1,
             None => does += 1,

@@ -39,7 +39,13 @@ pub fn out_of_view(view: &View, region: &Region) -> Solid {
     Solid { parts: view.sides().into_iter().filter_map(part).collect() }
 }
 
-fn hull_of_shadow(view: &View, region: &Region, convex: &Convex, pose: &Pose, begins: Begins) -> Option<(Pose, Convex)> {
+fn hull_of_shadow(
+    view: &View,
+    region: &Region,
+    convex: &Convex,
+    pose: &Pose,
+    begins: Begins,
+) -> Option<(Pose, Convex)> {
     let body = corners(convex, pose);
     let middle = pose.translation - view.eye;
     let level = middle.with_z(0.0);

@@ -1,6 +1,6 @@
 //! Where the camera is, which way it looks, and what part of the room counts.
 
-use clearway_geometry::{Solid, Pose, Vec2, Vec3};
+use clearway_geometry::{Pose, Solid, Vec2, Vec3};
 use clearway_plan::scene_file::{Camera, Rect};
 use clearway_scene::Scene;
 

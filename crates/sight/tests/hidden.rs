@@ -14,7 +14,10 @@ fn view(fov: f64) -> View {
 }
 
 fn upright(radius: f64, height: f64, x: f64, y: f64) -> (Solid, Pose) {
-    (Solid::new(Convex::Cylinder { radius, half: height / 2.0 }), Pose::from_translation(Vec3::new(x, y, 0.6 + height / 2.0)))
+    (
+        Solid::new(Convex::Cylinder { radius, half: height / 2.0 }),
+        Pose::from_translation(Vec3::new(x, y, 0.6 + height / 2.0)),
+    )
 }
 
 fn cuboid(half: Vec3, at: Vec3, yaw: f64) -> (Solid, Pose) {

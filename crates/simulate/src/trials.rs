@@ -76,7 +76,8 @@ pub fn trials(
         let drawn = noise::draw(&played, &course.carriers, &objects, noise, &mut random);
         Player::new(plan, &played, &course, &drawn, settings, budget)?.play()
     };
-    let trials = parallel::each(budget.threads(), 0..count, |index| one(index).map(|outcome| Trial { index, outcome }))?;
+    let trials =
+        parallel::each(budget.threads(), 0..count, |index| one(index).map(|outcome| Trial { index, outcome }))?;
     Ok(Trials {
         as_planned: trials.iter().filter(|t| t.outcome.as_planned).count(),
         touched: trials.iter().filter(|t| t.outcome.touched).count(),

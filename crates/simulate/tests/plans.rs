@@ -70,9 +70,7 @@ fn what_makes_no_sense_is_refused() {
     let plan = pick(Vec::new());
     let budget = Budget::unlimited();
     let refused = |noise: Noise, count: usize| {
-        trials(&plan, "".as_ref(), &Settings::default(), &noise, (count, 1), &budget)
-            .expect_err("refused")
-            .to_string()
+        trials(&plan, "".as_ref(), &Settings::default(), &noise, (count, 1), &budget).expect_err("refused").to_string()
     };
     assert!(refused(Noise { position: -0.1, ..Noise::default() }, 1).contains("noise"));
     assert!(refused(Noise::default(), 0).contains("trials"));

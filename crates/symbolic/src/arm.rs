@@ -179,7 +179,9 @@ impl<'b> Arm<'b> {
         let (Some(object), Some(grasp)) = (self.object(inputs[0]), self.grasp(inputs[1])) else { return Ok(None) };
         let mut placements = match self.placements.remove(inputs) {
             Some(known) => known,
-            None => Placements { candidates: self.handling.spots(object, &grasp, surface).into_iter(), blocked: Vec::new() },
+            None => {
+                Placements { candidates: self.handling.spots(object, &grasp, surface).into_iter(), blocked: Vec::new() }
+            }
         };
         let mut looked = 0;
         let found = loop {
@@ -202,7 +204,8 @@ impl<'b> Arm<'b> {
                 let scene = self.handling.scene();
                 scene.all().iter().filter(|o| *o != object).map(|o| (o, scene.objects[o.index()].pose)).collect()
             };
-            let meets = |(other, other_at): &&(ObjectId, Pose)| self.handling.overlap((object, &at), (*other, other_at));
+            let meets =
+                |(other, other_at): &&(ObjectId, Pose)| self.handling.overlap((object, &at), (*other, other_at));
             if home.iter().filter(|(o, _)| self.fixed.contains(*o)).any(|other| meets(&other)) {
                 continue;
             }
@@ -229,7 +232,9 @@ impl<'b> Arm<'b> {
         let Self { handling, given, .. } = self;
         let mut count = (0, 0);
         for other in given.iter().filter(|other| other.object != object) {
-            if handling.overlap((object, at), (other.object, &other.at)) || handling.in_way((object, at, grasp, way), other.object, &other.at) {
+            if handling.overlap((object, at), (other.object, &other.at))
+                || handling.in_way((object, at, grasp, way), other.object, &other.at)
+            {
                 count.0 += 1;
             } else if handling.in_way((other.object, &other.at, &other.grasp, &other.way), object, at) {
                 count.1 += 1;
@@ -247,7 +252,8 @@ impl<'b> Arm<'b> {
             given.looked = true;
             let ways = self.handling.ways(object, &at, &grasp, if given.all { usize::MAX } else { ENOUGH });
             given.all |= ways.len() < ENOUGH;
-            let (open, shut): (Vec<Way>, Vec<Way>) = ways.into_iter().partition(|w| !w.blocked_by.intersects(&self.fixed));
+            let (open, shut): (Vec<Way>, Vec<Way>) =
+                ways.into_iter().partition(|w| !w.blocked_by.intersects(&self.fixed));
             if at == self.handling.scene().objects[object.index()].pose {
                 self.blamed.entry(object).or_default().extend(shut.iter().map(|w| w.blocked_by));
                 if !open.is_empty() {
@@ -295,13 +301,17 @@ impl Procedures for Arm<'_> {
     fn test(&mut self, stream: &Stream, inputs: &[Value]) -> bool {
         match stream.name.as_str() {
             "test-cfree-way" => {
-                let (Some(other), Some(other_at)) = (self.object(inputs[1]), self.pose(inputs[2])) else { return false };
+                let (Some(other), Some(other_at)) = (self.object(inputs[1]), self.pose(inputs[2])) else {
+                    return false;
+                };
                 let Some(Thing::Way { object, at, grasp, way }) = self.things.get(&inputs[0]) else { return false };
                 *object == other || !self.handling.in_way((*object, at, grasp, way), other, &other_at)
             }
             "test-cfree-pose" => {
                 let (Some(object), Some(at)) = (self.object(inputs[0]), self.pose(inputs[1])) else { return false };
-                let (Some(other), Some(other_at)) = (self.object(inputs[2]), self.pose(inputs[3])) else { return false };
+                let (Some(other), Some(other_at)) = (self.object(inputs[2]), self.pose(inputs[3])) else {
+                    return false;
+                };
                 object == other || !self.handling.overlap((object, &at), (other, &other_at))
             }
             _ => false,

@@ -120,8 +120,10 @@ impl Facts {
     /// The facts that an atom could be, given what is bound: the shortest list known to hold them all.
     fn candidates(&self, atom: &Atom, slots: &Slots, values: &Values) -> &[usize] {
         let all = self.of.get(&atom.predicate).map_or(&[][..], Vec::as_slice);
-        let bound = atom.terms.iter().enumerate().filter_map(|(place, term)| Some((place, value_of(term, slots, values)?)));
-        let lists = bound.map(|(place, value)| self.with.get(&(atom.predicate, place, value)).map_or(&[][..], Vec::as_slice));
+        let bound =
+            atom.terms.iter().enumerate().filter_map(|(place, term)| Some((place, value_of(term, slots, values)?)));
+        let lists =
+            bound.map(|(place, value)| self.with.get(&(atom.predicate, place, value)).map_or(&[][..], Vec::as_slice));
         lists.fold(all, |best, list| if list.len() < best.len() { list } else { best })
     }
 
@@ -135,17 +137,18 @@ impl Facts {
         for &index in self.candidates(atom, slots, values) {
             let fact = &self.list[index];
             let mut bound = Vec::new();
-            let matches = atom.terms.iter().zip(&fact.values).all(|(term, value)| match value_of(term, slots, values) {
-                Some(known) => known == *value,
-                None => match term {
-                    Term::Variable(slot) => {
-                        slots[*slot] = Some(*value);
-                        bound.push(*slot);
-                        true
-                    }
-                    Term::Constant(_) => false,
-                },
-            });
+            let matches =
+                atom.terms.iter().zip(&fact.values).all(|(term, value)| match value_of(term, slots, values) {
+                    Some(known) => known == *value,
+                    None => match term {
+                        Term::Variable(slot) => {
+                            slots[*slot] = Some(*value);
+                            bound.push(*slot);
+                            true
+                        }
+                        Term::Constant(_) => false,
+                    },
+                });
             if matches {
                 self.each_match(&rest, slots, values, found);
             }

@@ -98,7 +98,9 @@ impl<'a> Grounder<'a> {
 
     /// Whether variables that nothing binds have more values together than anyone means to try.
     fn too_many(&self, variables: &[Variable], bound: &[&Atom], values: &Values) -> bool {
-        let is_bound = |v: &&Variable| bound.iter().any(|a| a.terms.iter().any(|t| matches!(t, Term::Variable(slot) if *slot == v.slot)));
+        let is_bound = |v: &&Variable| {
+            bound.iter().any(|a| a.terms.iter().any(|t| matches!(t, Term::Variable(slot) if *slot == v.slot)))
+        };
         let free = variables.iter().filter(|v| !is_bound(v));
         let counts = free.map(|v| values.all_of(&self.domain.types, v.of).count());
         counts.fold(1usize, usize::saturating_mul) > MOST_BINDINGS
@@ -109,7 +111,13 @@ impl<'a> Grounder<'a> {
     }
 
     /// The task in which `state` holds at first.
-    pub fn task(&self, values: &Values, state: &[Fact], known: &mut dyn Known, goal: &Goal) -> Result<Task, TooManyAlternatives> {
+    pub fn task(
+        &self,
+        values: &Values,
+        state: &[Fact],
+        known: &mut dyn Known,
+        goal: &Goal,
+    ) -> Result<Task, TooManyAlternatives> {
         let mut pool = known.facts().clone();
         state.iter().for_each(|fact| {
             pool.insert(fact.clone());
@@ -142,7 +150,9 @@ impl<'a> Grounder<'a> {
         }
         let slots = vec![None; goal.slots];
         let mut asking = Asking { grounder: self, values, pool: &pool, known };
-        let goal = asking.holds(&goal.formula, &slots, true).ok_or_else(|| TooManyAlternatives { of: "the goal".to_owned() })?;
+        let goal = asking
+            .holds(&goal.formula, &slots, true)
+            .ok_or_else(|| TooManyAlternatives { of: "the goal".to_owned() })?;
         Ok(self.in_atoms(&pool, state, raw, goal))
     }
 
@@ -158,7 +168,9 @@ impl<'a> Grounder<'a> {
         let pool = known.facts().clone();
         let mut asking = Asking { grounder: self, values, pool: &pool, known };
         let mut state: HashSet<Fact> = state.iter().cloned().collect();
-        let met = |state: &HashSet<Fact>, literals: &[(Fact, bool)]| literals.iter().all(|(fact, holds)| state.contains(fact) == *holds);
+        let met = |state: &HashSet<Fact>, literals: &[(Fact, bool)]| {
+            literals.iter().all(|(fact, holds)| state.contains(fact) == *holds)
+        };
         for (index, parameters) in actions {
             let action = &self.domain.actions[*index];
             let mut slots: Slots = vec![None; action.slots];
@@ -171,7 +183,9 @@ impl<'a> Grounder<'a> {
             state.extend(instance.adds);
         }
         let slots = vec![None; goal.slots];
-        let goal = asking.holds(&goal.formula, &slots, true).ok_or_else(|| TooManyAlternatives { of: "the goal".to_owned() })?;
+        let goal = asking
+            .holds(&goal.formula, &slots, true)
+            .ok_or_else(|| TooManyAlternatives { of: "the goal".to_owned() })?;
         Ok(goal.iter().any(|literals| met(&state, literals)))
     }
 
@@ -249,7 +263,14 @@ impl<'a> Grounder<'a> {
             let adds = numbers(raw.adds);
             // What is added is not deleted.
             let deletes = numbers(raw.deletes).into_iter().filter(|d| !adds.contains(d)).collect();
-            Some(GroundAction { action: raw.action, values: raw.values, precondition, adds, deletes, relies_on: raw.relies_on })
+            Some(GroundAction {
+                action: raw.action,
+                values: raw.values,
+                precondition,
+                adds,
+                deletes,
+                relies_on: raw.relies_on,
+            })
         });
         let actions = actions.collect();
         let init = state.iter().filter_map(|f| number.get(f).copied()).collect();
@@ -293,7 +314,13 @@ struct Asking<'a, 'k> {
 
 impl Asking<'_, '_> {
     /// The instances of an action with all its parameters bound: one for each way in which it can be had.
-    fn instances(&mut self, index: usize, action: &Action, mut slots: Slots, parameters: &[Value]) -> Result<Vec<Raw>, TooManyAlternatives> {
+    fn instances(
+        &mut self,
+        index: usize,
+        action: &Action,
+        mut slots: Slots,
+        parameters: &[Value],
+    ) -> Result<Vec<Raw>, TooManyAlternatives> {
         let too_many = || TooManyAlternatives { of: action.name.clone() };
         let alternatives = self.holds(&action.precondition, &slots, true).ok_or_else(too_many)?;
         if alternatives.is_empty() {
@@ -326,7 +353,11 @@ impl Asking<'_, '_> {
                 for (precondition, adds, deletes) in &instances {
                     for more in &when {
                         let (mut adds, mut deletes) = (adds.clone(), deletes.clone());
-                        if effect.adds { adds.push(fact.clone()) } else { deletes.push(fact.clone()) }
+                        if effect.adds {
+                            adds.push(fact.clone())
+                        } else {
+                            deletes.push(fact.clone())
+                        }
                         next.push((and(precondition, more), adds, deletes));
                     }
                     next.extend(otherwise.iter().map(|more| (and(precondition, more), adds.clone(), deletes.clone())));
@@ -398,10 +429,16 @@ impl Asking<'_, '_> {
     /// those for which it does. `universal`: the body is asked for all of them.
     fn quantified(&self, variables: &[Variable], body: &Formula, slots: &Slots, universal: bool) -> Option<Vec<Slots>> {
         let mut guards = Vec::new();
-        if universal { antecedents(body, &mut guards) } else { needed_atoms(body, &mut guards) }
+        if universal {
+            antecedents(body, &mut guards)
+        } else {
+            needed_atoms(body, &mut guards)
+        }
         let grounder = self.grounder;
         let listed = |a: &&Atom| {
-            !grounder.is_fluent(a.predicate) && !grounder.derived.contains_key(&a.predicate) && !self.known.is_tested(a.predicate)
+            !grounder.is_fluent(a.predicate)
+                && !grounder.derived.contains_key(&a.predicate)
+                && !self.known.is_tested(a.predicate)
         };
         let guards: Vec<&Atom> = guards.into_iter().filter(listed).collect();
         if grounder.too_many(variables, &guards, self.values) {

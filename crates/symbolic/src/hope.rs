@@ -30,7 +30,8 @@ impl Hopes {
     /// With `all`, streams that only could be asked are hoped for too; else only those with fluents, which are
     /// asked in a plan.
     pub fn of(store: &mut Store, all: bool) -> Self {
-        let mut hopes = Self { facts: store.facts.clone(), optimistic: HashSet::new(), hopes: Vec::new(), by_fact: HashMap::new() };
+        let mut hopes =
+            Self { facts: store.facts.clone(), optimistic: HashSet::new(), hopes: Vec::new(), by_fact: HashMap::new() };
         for instance in 0..store.instances.len() {
             let known = &store.instances[instance];
             let fluent = store.is_fluent(known.stream);
@@ -61,7 +62,8 @@ impl Hopes {
         let declared = &store.streams[stream];
         let mut outputs = Vec::new();
         for output in &declared.outputs {
-            let name = format!("{}#{}{}", crate::arm::GENERATED, &output.name[1..], self.optimistic.len() + self.hopes.len());
+            let name =
+                format!("{}#{}{}", crate::arm::GENERATED, &output.name[1..], self.optimistic.len() + self.hopes.len());
             let value = store.values.add(&format!("{name}-{}", store.domain.types.names[output.of.0]), output.of);
             if !found {
                 self.optimistic.insert(value);

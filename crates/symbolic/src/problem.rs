@@ -64,7 +64,8 @@ pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget)
     // What is held was not put down: steps end with an empty hand.
     let goal = with_empty_hand(asked.goal, asked.domain);
     let asked = &Asked { goal: &goal, ..*asked };
-    let mut run = Run { handling, asked, budget, counts: Counts::default(), moving: Duration::ZERO, tries: 0, movable: 0 };
+    let mut run =
+        Run { handling, asked, budget, counts: Counts::default(), moving: Duration::ZERO, tries: 0, movable: 0 };
     let ended = run.run();
     let Run { handling, counts, moving, tries, movable, .. } = run;
     let total = began.elapsed();
@@ -86,7 +87,12 @@ pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget)
             (handling.no_plan(told(&no_plan, &asked.goal.text), goal, timing, seed), stopped)
         }
     };
-    let stats = Stats { iterations: counts.engine_calls, samples: counts.stream_calls, sequences_tried: tries, ..Stats::default() };
+    let stats = Stats {
+        iterations: counts.engine_calls,
+        samples: counts.stream_calls,
+        sequences_tried: tries,
+        ..Stats::default()
+    };
     Answer { plan: PlanFile { stats, ..plan }, stopped, counts, movable, tries }
 }
 
@@ -99,12 +105,20 @@ fn told(no_plan: &NoPlan, goal: &str) -> String {
         NoPlan::Hopeless(why) => format!(
             "No plan for the goal {goal} was found, even if every grasp, pose and motion asked for could be had; the symbolic engine gave up: {why}. Nothing is proved."
         ),
-        NoPlan::Exhausted => format!("Everything that the streams found was tried, and the goal {goal} was not reached; nothing is proved."),
+        NoPlan::Exhausted => format!(
+            "Everything that the streams found was tried, and the goal {goal} was not reached; nothing is proved."
+        ),
         NoPlan::Stopped(Stop::Cancelled) => format!("Interrupted before the goal {goal} was reached."),
-        NoPlan::Stopped(Stop::Iterations) => format!("The iterations allowed were spent before the goal {goal} was reached; nothing is proved."),
-        NoPlan::Stopped(Stop::Deadline) => format!("The time allowed was spent before the goal {goal} was reached; nothing is proved."),
+        NoPlan::Stopped(Stop::Iterations) => {
+            format!("The iterations allowed were spent before the goal {goal} was reached; nothing is proved.")
+        }
+        NoPlan::Stopped(Stop::Deadline) => {
+            format!("The time allowed was spent before the goal {goal} was reached; nothing is proved.")
+        }
         NoPlan::TooMany(crate::ground::TooManyAlternatives { of }) => {
-            format!("There are too many alternatives in {of}: write it with fewer `or`, `exists` and conditional effects.")
+            format!(
+                "There are too many alternatives in {of}: write it with fewer `or`, `exists` and conditional effects."
+            )
         }
         NoPlan::Engine(why) => format!("The symbolic engine gave up on the goal {goal}: {why}."),
     }
@@ -169,7 +183,11 @@ impl Run<'_> {
     }
 
     /// Plans with only these objects movable. `Err`: stopped.
-    fn with(&mut self, movable: ObjectSet, patience: Option<Patience>) -> Result<Result<Vec<Carried>, Learned>, NoPlan> {
+    fn with(
+        &mut self,
+        movable: ObjectSet,
+        patience: Option<Patience>,
+    ) -> Result<Result<Vec<Carried>, Learned>, NoPlan> {
         self.tries += 1;
         self.movable = movable.len();
         let Asked { domain, streams, goal, algorithm, engine, .. } = *self.asked;
@@ -177,7 +195,8 @@ impl Run<'_> {
         // Having the target says nothing of what stands fast; other goals may be about everything.
         let told = if self.asked.retrieval { movable } else { self.handling.scene().all() };
         let mut arm = Arm::new(self.handling, fixed, self.budget);
-        let Begun { values, facts, state } = begin(domain, goal, &mut arm, told, self.asked.retrieval).map_err(NoPlan::Engine)?;
+        let Begun { values, facts, state } =
+            begin(domain, goal, &mut arm, told, self.asked.retrieval).map_err(NoPlan::Engine)?;
         let mut store = Store::new(domain, streams, values, facts, &mut arm);
         let mut search = Search::new(&mut store, engine, &state, goal, self.budget);
         search.patience = patience;

@@ -99,8 +99,24 @@ const STATES: usize = 30_000;
 const THOROUGH_STATES: usize = 2_000;
 
 impl<'s, 'a> Search<'s, 'a> {
-    pub fn new(store: &'s mut Store<'a>, engine: &'s dyn Engine, state: &'s [Fact], goal: &'s Goal, budget: &'s Budget) -> Self {
-        Self { store, engine, state, goal, budget, patience: None, counts: Counts::default(), first_try: true, unproved: None }
+    pub fn new(
+        store: &'s mut Store<'a>,
+        engine: &'s dyn Engine,
+        state: &'s [Fact],
+        goal: &'s Goal,
+        budget: &'s Budget,
+    ) -> Self {
+        Self {
+            store,
+            engine,
+            state,
+            goal,
+            budget,
+            patience: None,
+            counts: Counts::default(),
+            first_try: true,
+            unproved: None,
+        }
     }
 
     pub fn run(&mut self, algorithm: Algorithm) -> Result<Solution, NoPlan> {
@@ -135,7 +151,8 @@ impl<'s, 'a> Search<'s, 'a> {
             (thorough, self.first_try) = (false, false);
             let facts: Vec<Fact> = sketch.plan.iter().flat_map(|a| sketch.task.actions[*a].relies_on.clone()).collect();
             let needed = sketch.hopes.needed(self.store, &facts);
-            let missing: Vec<usize> = needed.into_iter().filter(|h| !self.store.is_fluent(sketch.hopes.hopes[*h].stream)).collect();
+            let missing: Vec<usize> =
+                needed.into_iter().filter(|h| !self.store.is_fluent(sketch.hopes.hopes[*h].stream)).collect();
             if !missing.is_empty() {
                 self.find(&sketch, &missing)?;
             } else if let Some(solution) = self.carry_out(&sketch)? {
@@ -277,8 +294,11 @@ impl<'s, 'a> Search<'s, 'a> {
                 let stream = &self.store.streams[hope.stream];
                 let mut atoms: Vec<usize> = state.iter().copied().collect();
                 atoms.sort_unstable();
-                let now: Vec<Fact> =
-                    atoms.into_iter().map(|a| task.atoms[a].clone()).filter(|f| stream.fluents.contains(&f.predicate)).collect();
+                let now: Vec<Fact> = atoms
+                    .into_iter()
+                    .map(|a| task.atoms[a].clone())
+                    .filter(|f| stream.fluents.contains(&f.predicate))
+                    .collect();
                 if !self.store.procedures.in_state(stream, &hope.inputs, &now)? {
                     self.motion_failed(hope);
                     return Ok(None);

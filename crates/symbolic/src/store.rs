@@ -55,9 +55,16 @@ pub struct Store<'a> {
 }
 
 impl<'a> Store<'a> {
-    pub fn new(domain: &'a Domain, streams: &'a [Stream], values: Values, facts: Facts, procedures: &'a mut dyn Procedures) -> Self {
+    pub fn new(
+        domain: &'a Domain,
+        streams: &'a [Stream],
+        values: Values,
+        facts: Facts,
+        procedures: &'a mut dyn Procedures,
+    ) -> Self {
         let mut tests: HashMap<PredicateId, Vec<(usize, &Atom)>> = HashMap::new();
-        for (index, stream) in streams.iter().enumerate().filter(|(_, s)| s.outputs.is_empty() && s.fluents.is_empty()) {
+        for (index, stream) in streams.iter().enumerate().filter(|(_, s)| s.outputs.is_empty() && s.fluents.is_empty())
+        {
             for atom in &stream.certified {
                 tests.entry(atom.predicate).or_default().push((index, atom));
             }
@@ -97,7 +104,8 @@ impl<'a> Store<'a> {
     /// All inputs for which a stream's domain holds among some facts.
     pub fn inputs_among(&mut self, stream: usize, facts: &Facts, optimistic: &HashSet<Value>) -> Vec<Vec<Value>> {
         let declared: &'a Stream = &self.streams[stream];
-        let (tested, listed): (Vec<&Atom>, Vec<&Atom>) = declared.domain.iter().partition(|a| self.tests.contains_key(&a.predicate));
+        let (tested, listed): (Vec<&Atom>, Vec<&Atom>) =
+            declared.domain.iter().partition(|a| self.tests.contains_key(&a.predicate));
         let mut slots: Slots = vec![None; declared.inputs.len() + declared.outputs.len()];
         let mut found: Vec<Slots> = Vec::new();
         let (domain, values) = (self.domain, &self.values);
@@ -110,10 +118,21 @@ impl<'a> Store<'a> {
                     .into_iter()
                     .flat_map(|slots| -> Vec<Slots> {
                         match slots[input.slot] {
-                            Some(value) => if types.is(values.of(value), input.of) { vec![slots] } else { Vec::new() },
+                            Some(value) => {
+                                if types.is(values.of(value), input.of) {
+                                    vec![slots]
+                                } else {
+                                    Vec::new()
+                                }
+                            }
                             None => {
                                 let all = values.all_of(types, input.of);
-                                all.map(|value| { let mut slots = slots.clone(); slots[input.slot] = Some(value); slots }).collect()
+                                all.map(|value| {
+                                    let mut slots = slots.clone();
+                                    slots[input.slot] = Some(value);
+                                    slots
+                                })
+                                .collect()
                             }
                         }
                     })
@@ -123,7 +142,9 @@ impl<'a> Store<'a> {
         });
         let mut inputs = Vec::new();
         for slots in found {
-            let passes = tested.iter().all(|atom| instantiate(atom, &slots, &self.values).is_some_and(|fact| self.passes(&fact, optimistic)));
+            let passes = tested
+                .iter()
+                .all(|atom| instantiate(atom, &slots, &self.values).is_some_and(|fact| self.passes(&fact, optimistic)));
             if passes {
                 inputs.push(declared.inputs.iter().filter_map(|i| slots[i.slot]).collect());
             }
@@ -185,7 +206,8 @@ impl<'a> Store<'a> {
             return *known;
         }
         let deciding = self.tests.get(&fact.predicate).cloned().unwrap_or_default();
-        let passes = self.facts.contains(fact) || deciding.into_iter().any(|(stream, atom)| self.test_by(stream, atom, fact));
+        let passes =
+            self.facts.contains(fact) || deciding.into_iter().any(|(stream, atom)| self.test_by(stream, atom, fact));
         self.tested.insert(fact.clone(), passes);
         passes
     }

@@ -10,11 +10,14 @@ use clearway_retrieval::handling::{Handling, Surface};
 /// What a scene's things are called in PDDL, and their types.
 pub fn constants(domain: &Domain, handling: &Handling) -> Result<Vec<Constant>, String> {
     let scene = handling.scene();
-    let (item, place, shelf) = (type_named(domain, "item")?, type_named(domain, "place")?, type_named(domain, "shelf")?);
+    let (item, place, shelf) =
+        (type_named(domain, "item")?, type_named(domain, "place")?, type_named(domain, "shelf")?);
     let shelf_names = handling.shelves().into_iter().map(|i| &scene.fixtures[i].id);
     let names: Vec<&String> = scene.names.iter().chain(scene.places.iter().map(|p| &p.id)).chain(shelf_names).collect();
     if let Some((_, name)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
-        return Err(format!("the scene gives the name `{name}` to two of its objects, places and shelves, which a goal could not tell apart"));
+        return Err(format!(
+            "the scene gives the name `{name}` to two of its objects, places and shelves, which a goal could not tell apart"
+        ));
     }
     let items = scene.names.iter().map(|name| Constant { name: name.clone(), of: item });
     let places = scene.places.iter().map(|p| Constant { name: p.id.clone(), of: place });
@@ -48,7 +51,9 @@ impl Vocabulary {
     fn of(domain: &Domain) -> Result<Self, String> {
         let predicate = |name: &str, count: usize| {
             let found = domain.predicate(name).filter(|p| domain.predicates[p.0].parameters.len() == count);
-            found.ok_or_else(|| format!("the domain has no predicate `{name}` of {count} arguments, with which the scene is told"))
+            found.ok_or_else(|| {
+                format!("the domain has no predicate `{name}` of {count} arguments, with which the scene is told")
+            })
         };
         Ok(Self {
             home: predicate("Home", 2)?,
@@ -76,7 +81,9 @@ pub fn check(domain: &Domain, streams: &[Stream]) -> Result<(), String> {
     let found: Vec<PredicateId> = found.collect();
     let hidden = |formula: &Formula| hidden(formula, true, &found).map(|p| domain.predicates[p.0].name.clone());
     let told = |name: String, whose: String| {
-        format!("`{name}`, which a stream certifies, is under `or`, `exists` or in a derived predicate of {whose}: it must be a plain part of an action's `and`")
+        format!(
+            "`{name}`, which a stream certifies, is under `or`, `exists` or in a derived predicate of {whose}: it must be a plain part of an action's `and`"
+        )
     };
     for action in &domain.actions {
         let formulas = std::iter::once(&action.precondition).chain(action.effects.iter().map(|e| &e.condition));
@@ -86,7 +93,10 @@ pub fn check(domain: &Domain, streams: &[Stream]) -> Result<(), String> {
     }
     for derived in &domain.derived {
         if let Some(predicate) = anywhere(&derived.body, &found) {
-            return Err(told(domain.predicates[predicate.0].name.clone(), format!("`{}`", domain.predicates[derived.predicate.0].name)));
+            return Err(told(
+                domain.predicates[predicate.0].name.clone(),
+                format!("`{}`", domain.predicates[derived.predicate.0].name),
+            ));
         }
     }
     Vocabulary::of(domain).map(|_| ())
@@ -96,7 +106,9 @@ pub fn check(domain: &Domain, streams: &[Stream]) -> Result<(), String> {
 pub fn check_goal(domain: &Domain, streams: &[Stream], goal: &Goal) -> Result<(), String> {
     let found: Vec<PredicateId> = streams.iter().flat_map(|s| s.certified.iter().map(|a| a.predicate)).collect();
     match anywhere(&goal.formula, &found) {
-        Some(predicate) => Err(format!("the goal asks for `{}`, which streams certify", domain.predicates[predicate.0].name)),
+        Some(predicate) => {
+            Err(format!("the goal asks for `{}`, which streams certify", domain.predicates[predicate.0].name))
+        }
         None => Ok(()),
     }
 }
@@ -123,8 +135,15 @@ fn anywhere(formula: &Formula, found: &[PredicateId]) -> Option<PredicateId> {
 }
 
 /// Tells of some objects. With `retrieval` nothing is put down but on places.
-pub fn begin(domain: &Domain, goal: &Goal, arm: &mut Arm, objects: ObjectSet, retrieval: bool) -> Result<Begun, String> {
-    let Vocabulary { home, pose, supported, rests, surface, stackable, at_pose, on, hand_empty } = Vocabulary::of(domain)?;
+pub fn begin(
+    domain: &Domain,
+    goal: &Goal,
+    arm: &mut Arm,
+    objects: ObjectSet,
+    retrieval: bool,
+) -> Result<Begun, String> {
+    let Vocabulary { home, pose, supported, rests, surface, stackable, at_pose, on, hand_empty } =
+        Vocabulary::of(domain)?;
     let of_pose = type_named(domain, "pose")?;
     let mut values = Values::default();
     for constant in &domain.constants {
@@ -179,7 +198,8 @@ pub fn begin(domain: &Domain, goal: &Goal, arm: &mut Arm, objects: ObjectSet, re
         let where_it_is = &scene.objects[object.index()].pose;
         let under = arm.handling.rests(*object, where_it_is, &poses);
         // A place is named for itself, not for the fixture below it, as it is for what is put there later.
-        let mut supports: Vec<Value> = arm.handling.places_under(*object, where_it_is).into_iter().map(|i| places[i]).collect();
+        let mut supports: Vec<Value> =
+            arm.handling.places_under(*object, where_it_is).into_iter().map(|i| places[i]).collect();
         if supports.is_empty() {
             supports.extend(shelves.iter().filter(|(i, _)| under.fixtures.contains(i)).map(|(_, v)| *v));
         }

@@ -30,7 +30,8 @@ pub(crate) fn sets(case: &Case, target: usize, proof: &BarriersProof) -> Result<
     }
     let enclosure = proof.enclosure.as_ref().ok_or("barriers are listed, but no enclosure")?;
     let judge = Judge::new(case, target, enclosure)?;
-    let told = |(index, barrier): (usize, &Barrier)| judge.barrier(barrier).map_err(|e| format!("barrier {index}: {e}"));
+    let told =
+        |(index, barrier): (usize, &Barrier)| judge.barrier(barrier).map_err(|e| format!("barrier {index}: {e}"));
     proof.barriers.iter().enumerate().map(told).collect()
 }
 
@@ -62,8 +63,9 @@ struct Judge<'a> {
 impl<'a> Judge<'a> {
     fn new(case: &'a Case, target: usize, enclosure: &'a Enclosure) -> Result<Self, String> {
         let Enclosure { radius, height, lean, floor, ceiling } = enclosure;
-        let middle = core(&case.objects[target], *radius, *height)
-            .ok_or(format!("the target holds no upright cylinder of radius {radius} and height {height} about its centre"))?;
+        let middle = core(&case.objects[target], *radius, *height).ok_or(format!(
+            "the target holds no upright cylinder of radius {radius} and height {height} about its centre"
+        ))?;
         if !(lean.is_finite() && *lean >= 0.0 && lean.sin() * height <= radius - SLACK + SAME) {
             return Err(format!("the target may lean by {lean} rad, farther than its proportions allow"));
         }
@@ -89,7 +91,8 @@ impl<'a> Judge<'a> {
         for place in &self.case.places {
             let (at, half) = (Vector::from(place.position), [place.size[0] / 2.0, place.size[1] / 2.0]);
             let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-            let corners: Vec<Vector> = corners.iter().map(|[s, t]| at + Vector::new(s * half[0], t * half[1], 0.0)).collect();
+            let corners: Vec<Vector> =
+                corners.iter().map(|[s, t]| at + Vector::new(s * half[0], t * half[1], 0.0)).collect();
             if meet(&line, &corners) {
                 return Err(format!("the place {:?} is not outside its chain", place.id));
             }
@@ -102,7 +105,10 @@ impl<'a> Judge<'a> {
             let bodies = object.map(|o| &self.case.objects[o]).into_iter().chain(fixtures);
             if !bodies.clone().any(|body| body.pieces.iter().any(|p| self.bars(body, p, [from, to]))) {
                 return Err(match bodies.clone().next() {
-                    Some(_) => format!("{} does not bar the way from ({:.4}, {:.4}) to ({:.4}, {:.4})", link.body, from.x, from.y, to.x, to.y),
+                    Some(_) => format!(
+                        "{} does not bar the way from ({:.4}, {:.4}) to ({:.4}, {:.4})",
+                        link.body, from.x, from.y, to.x, to.y
+                    ),
                     None => format!("{:?} is no fixture and no other object", link.body),
                 });
             }
@@ -119,7 +125,9 @@ impl<'a> Judge<'a> {
     /// Whether the disc meets a convex piece at both ends of the line, lowest and highest; then it
     /// does in between.
     fn bars(&self, body: &Thing, piece: &Piece, ends: [Vector; 2]) -> bool {
-        let disc = |p: &Vector| self.heights.iter().all(|&z| meets(body, piece, Vector::new(p.x, p.y, z), self.enclosure.radius - TOUCH));
+        let disc = |p: &Vector| {
+            self.heights.iter().all(|&z| meets(body, piece, Vector::new(p.x, p.y, z), self.enclosure.radius - TOUCH))
+        };
         piece.shape.is_convex() && ends.iter().all(disc)
     }
 
@@ -150,7 +158,8 @@ fn core(body: &Thing, radius: f64, height: f64) -> Option<Vector> {
             upright(along.normalize()) && small(radius, capsule.radius) && small(height, along.length())
         } else if let Some(cuboid) = piece.shape.as_cuboid() {
             let [x, y, z] = cuboid.half_extents.into();
-            let stands = |axis, half: f64, a: f64, b: f64| upright(axis) && small(radius, a.min(b)) && small(height, 2.0 * half);
+            let stands =
+                |axis, half: f64, a: f64, b: f64| upright(axis) && small(radius, a.min(b)) && small(height, 2.0 * half);
             stands(Vector::X, x, y, z) || stands(Vector::Y, y, z, x) || stands(Vector::Z, z, x, y)
         } else {
             false
@@ -169,7 +178,8 @@ fn meets(body: &Thing, piece: &Piece, centre: Vector, radius: f64) -> bool {
 
 /// Whether the closed line goes round the point, seen from above: a ray along x crosses it an odd number of times.
 fn encloses(line: &[Vector], p: Vector) -> bool {
-    let crossed = |(a, b): (&Vector, &Vector)| (a.y > p.y) != (b.y > p.y) && a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y) > p.x;
+    let crossed =
+        |(a, b): (&Vector, &Vector)| (a.y > p.y) != (b.y > p.y) && a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y) > p.x;
     sides(line).filter(|s| crossed(*s)).count() % 2 == 1
 }
 
@@ -183,5 +193,7 @@ fn meet(a: &[Vector], b: &[Vector]) -> bool {
     let cross = |(a, b): (&Vector, &Vector), (p, q): (&Vector, &Vector)| {
         side(a, b, p) * side(a, b, q) <= 0.0 && side(p, q, a) * side(p, q, b) <= 0.0
     };
-    a.iter().any(|p| encloses(b, *p)) || b.iter().any(|p| encloses(a, *p)) || sides(a).any(|s| sides(b).any(|t| cross(s, t)))
+    a.iter().any(|p| encloses(b, *p))
+        || b.iter().any(|p| encloses(a, *p))
+        || sides(a).any(|s| sides(b).any(|t| cross(s, t)))
 }

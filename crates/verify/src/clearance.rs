@@ -19,9 +19,9 @@ use crate::report::{Place, Report, ViolationKind};
 use crate::shapes::body_gap;
 use crate::sweep::{self, Pair, Seek, When};
 use crate::watch::{Owner, Watch};
+use clearway_plan::PlanFile;
 use clearway_plan::clearance::{Clearance, Least};
 use clearway_plan::plan_file::SegmentKind;
-use clearway_plan::PlanFile;
 use parry3d_f64::math::{Pose, Vector};
 
 /// Larger distances are not looked for, unless the scene asks for more.
@@ -44,7 +44,13 @@ pub(crate) fn asked(plan: &PlanFile) -> Result<f64, CannotJudge> {
 }
 
 /// What a segment's sweep is to look for.
-pub(crate) fn seek<'a, 'p>(case: &Case, track: &Track, stage: &Stage, watch: &'p Watch<'a>, asked: f64) -> Search<'a, 'p> {
+pub(crate) fn seek<'a, 'p>(
+    case: &Case,
+    track: &Track,
+    stage: &Stage,
+    watch: &'p Watch<'a>,
+    asked: f64,
+) -> Search<'a, 'p> {
     let rooms = watch.subjects.iter().map(|subject| room(case, track, stage, *subject, asked)).collect();
     Search { pairs: &watch.pairs, rooms, best: asked.max(UP_TO), found: None, limited: Vec::new() }
 }

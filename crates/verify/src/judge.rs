@@ -4,9 +4,7 @@ use crate::case::Case;
 use crate::error::CannotJudge;
 use crate::report::{Report, ViolationKind};
 use crate::watch::Watch;
-use crate::{
-    carry, gripper, jerk, limits, lower_bound, names, passes, region, rows, sight, steps, unchecked,
-};
+use crate::{carry, gripper, jerk, limits, lower_bound, names, passes, region, rows, sight, steps, unchecked};
 use clearway_plan::plan_file::{FORMAT, Status};
 use clearway_plan::{Budget, PlanFile};
 use std::path::Path;

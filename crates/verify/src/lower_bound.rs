@@ -58,9 +58,10 @@ fn geometric(plan: &PlanFile, case: &Case, bound: &LowerBound) -> Verdict {
         return Verdict::Unknown("the lower bound: the target is no object".to_owned());
     };
     match barriers::sets(case, target, &proof).and_then(|sets| barriers::packed(&proof, &sets)) {
-        Ok(proved) if proved < bound.removed => {
-            no(format!("its barriers prove that {proved} must be removed, the target included; {} is claimed", bound.removed))
-        }
+        Ok(proved) if proved < bound.removed => no(format!(
+            "its barriers prove that {proved} must be removed, the target included; {} is claimed",
+            bound.removed
+        )),
         Ok(_) => Verdict::Proved,
         Err(why) => no(why),
     }

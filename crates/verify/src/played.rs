@@ -171,7 +171,13 @@ impl Played {
 }
 
 /// Signed distance between two bodies of such shapes; `None`: farther apart than `reach`.
-pub fn distance(a: &[PlayedShape], world_from_a: &Pose, b: &[PlayedShape], world_from_b: &Pose, reach: f64) -> Option<f64> {
+pub fn distance(
+    a: &[PlayedShape],
+    world_from_a: &Pose,
+    b: &[PlayedShape],
+    world_from_b: &Pose,
+    reach: f64,
+) -> Option<f64> {
     let pieces = |shapes: &[PlayedShape]| -> Vec<Piece> {
         shapes.iter().map(|s| Piece::new(s.owner_from_shape, s.shape.clone())).collect()
     };

@@ -51,7 +51,14 @@ pub(crate) fn check(
         return Ok(());
     }
     if plan.known.len() != plan.steps.len() || plan.known.iter().enumerate().any(|(i, k)| k.step != i) {
-        report.plan(ViolationKind::NotSeen, format!("`known` has {} entries for {} steps, or not one for each in order", plan.known.len(), plan.steps.len()));
+        report.plan(
+            ViolationKind::NotSeen,
+            format!(
+                "`known` has {} entries for {} steps, or not one for each in order",
+                plan.known.len(),
+                plan.steps.len()
+            ),
+        );
         return Ok(());
     }
     let eye = Vector::from(camera.position);
@@ -75,13 +82,19 @@ pub(crate) fn check(
                 if !seen[object] {
                     report.plan(
                         ViolationKind::NotSeen,
-                        format!("{name} is said to be known before step {index}, but only {:.0} % of it was in view", 100.0 * part),
+                        format!(
+                            "{name} is said to be known before step {index}, but only {:.0} % of it was in view",
+                            100.0 * part
+                        ),
                     );
                 }
             }
         }
         if !known.seen.contains(&plan.steps[index].object) {
-            report.plan(ViolationKind::NotSeen, format!("step {index} takes {}, which was not known", plan.steps[index].object));
+            report.plan(
+                ViolationKind::NotSeen,
+                format!("step {index} takes {}, which was not known", plan.steps[index].object),
+            );
         }
         if camera.enter_unseen {
             continue;
@@ -93,8 +106,14 @@ pub(crate) fn check(
             for row in (0..track.postures.len()).step_by(EVERY) {
                 budget.check()?;
                 let poses = case.link_poses(&track.postures[row]);
-                let unseen = |body: &[Vector], at: &Pose| body.iter().map(|p| at.transform_point(*p)).find(|p| judge.unseen(*p, taken));
-                let link = links.iter().zip(&poses).enumerate().find_map(|(l, (body, at))| Some((&case.model.links[l].name, unseen(body, at)?)));
+                let unseen = |body: &[Vector], at: &Pose| {
+                    body.iter().map(|p| at.transform_point(*p)).find(|p| judge.unseen(*p, taken))
+                };
+                let link = links
+                    .iter()
+                    .zip(&poses)
+                    .enumerate()
+                    .find_map(|(l, (body, at))| Some((&case.model.links[l].name, unseen(body, at)?)));
                 let hand = held.as_ref().and_then(|(held, body)| {
                     Some((&case.objects[held.object].id, unseen(body, &(poses[held.tool] * held.tool_from_object))?))
                 });
@@ -155,28 +174,43 @@ impl Judge<'_> {
         let (low, high) = extent(&thing.pieces, &pose);
         let centre = (low + high) * 0.5;
         let axis = (centre - self.view.eye).normalize();
-        let side = if axis.z.abs() < 0.9 { axis.cross(Vector::Z).normalize() } else { axis.cross(Vector::X).normalize() };
+        let side =
+            if axis.z.abs() < 0.9 { axis.cross(Vector::Z).normalize() } else { axis.cross(Vector::X).normalize() };
         let other = axis.cross(side);
         let size = (high - low) * 0.5;
         let spread = |way: Vector| {
             let corner = |i: usize| centre + size * Vector::new(sign(i), sign(i >> 1), sign(i >> 2)) - self.view.eye;
-            (0..8).map(corner).map(|c| (c.dot(way) / c.dot(axis).max(1e-3)).abs() * (centre - self.view.eye).length()).fold(0.0, f64::max)
+            (0..8)
+                .map(corner)
+                .map(|c| (c.dot(way) / c.dot(axis).max(1e-3)).abs() * (centre - self.view.eye).length())
+                .fold(0.0, f64::max)
         };
         let (wide, tall) = (spread(side), spread(other));
         let (mut would, mut does) = (0, 0);
         for i in 0..RAYS * RAYS {
             let at = |k: usize| 2.0 * (k as f64 + 0.5) / RAYS as f64 - 1.0;
-            let direction = (centre + side * (at(i % RAYS) * wide) + other * (at(i / RAYS) * tall) - self.view.eye).normalize();
+            let direction =
+                (centre + side * (at(i % RAYS) * wide) + other * (at(i / RAYS) * tall) - self.view.eye).normalize();
             let Some(reach) = met(thing, &pose, self.view.eye, direction, f64::MAX) else { continue };
             would += 1;
-            let free = || !self.bodies(poses).any(|(body, thing, pose)| body != Some(object) && met(thing, pose, self.view.eye, direction, reach).is_some());
+            let free = || {
+                !self.bodies(poses).any(|(body, thing, pose)| {
+                    body != Some(object) && met(thing, pose, self.view.eye, direction, reach).is_some()
+                })
+            };
             does += usize::from(self.view.holds(direction) && free());
         }
         does as f64 / would.max(1) as f64
     }
 
     fn bodies<'p>(&'p self, poses: &'p Poses) -> impl Iterator<Item = (Option<usize>, &'p Thing, &'p Pose)> {
-        let objects = self.case.objects.iter().zip(poses).enumerate().filter_map(|(i, (o, pose))| Some((Some(i), o, pose.as_ref()?)));
+        let objects = self
+            .case
+            .objects
+            .iter()
+            .zip(poses)
+            .enumerate()
+            .filter_map(|(i, (o, pose))| Some((Some(i), o, pose.as_ref()?)));
         objects.chain(self.case.fixtures.iter().map(|f| (None, f, &f.pose)))
     }
 
@@ -206,7 +240,9 @@ impl Judge<'_> {
         let back = thing.pieces.iter().map(|piece| {
             let at = *pose * piece.pose;
             let inner = at.rotation.inverse() * away;
-            piece.shape.as_support_map().map_or((*pose * piece.center).dot(away) + piece.radius, |s| (at * s.local_support_point(inner)).dot(away))
+            piece.shape.as_support_map().map_or((*pose * piece.center).dot(away) + piece.radius, |s| {
+                (at * s.local_support_point(inner)).dot(away)
+            })
         });
         p.dot(away) > back.fold(f64::NEG_INFINITY, f64::max) + 2.0 * SURFACE
     }
@@ -234,14 +270,16 @@ fn inside(piece: &Piece) -> Vec<Vector> {
     let steps = |length: f64| (length / GRID).ceil().max(1.0) as usize;
     let (nx, ny, nz) = (steps(size.x), steps(size.y), steps(size.z));
     let part = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
-    let grid = (0..nx * ny * nz).map(|i| bounds.mins + size * Vector::new(part(i % nx, nx), part(i / nx % ny, ny), part(i / (nx * ny), nz)));
+    let grid = (0..nx * ny * nz)
+        .map(|i| bounds.mins + size * Vector::new(part(i % nx, nx), part(i / nx % ny, ny), part(i / (nx * ny), nz)));
     grid.filter(|p| piece.shape.contains_local_point(*p)).map(|p| piece.pose.transform_point(p)).collect()
 }
 
 /// Where space that is not seen counts.
 fn region(plan: &PlanFile, case: &Case) -> (Vector, Vector) {
     let none = (Vector::INFINITY, Vector::NEG_INFINITY);
-    let (low, high) = case.objects.iter().map(|o| extent(&o.pieces, &o.pose)).fold(none, |(a, b), (c, d)| (a.min(c), b.max(d)));
+    let (low, high) =
+        case.objects.iter().map(|o| extent(&o.pieces, &o.pose)).fold(none, |(a, b), (c, d)| (a.min(c), b.max(d)));
     let (min, max) = match plan.scene.workspace {
         Some(rect) => (rect.min, rect.max),
         None => ([low.x - AROUND, low.y - AROUND], [high.x + AROUND, high.y + AROUND]),

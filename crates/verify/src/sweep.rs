@@ -117,12 +117,7 @@ impl<'a> Sweep<'a> {
     }
 
     /// From the first row to the last, for all that is looked for.
-    pub fn run(
-        &mut self,
-        pairs: &[Pair<'a>],
-        seeks: &mut [&mut dyn Seek],
-        budget: &Budget,
-    ) -> Result<(), CannotJudge> {
+    pub fn run(&mut self, pairs: &[Pair<'a>], seeks: &mut [&mut dyn Seek], budget: &Budget) -> Result<(), CannotJudge> {
         let joints: Vec<Between> = pairs.iter().map(|pair| self.joints_between(pair)).collect();
         // By pair, for each that looks: nothing happens until the travels sum to this.
         let mut leases: Vec<f64> = Vec::with_capacity(pairs.len() * seeks.len());
@@ -130,7 +125,8 @@ impl<'a> Sweep<'a> {
             budget.check()?;
             for seek in seeks.iter_mut() {
                 let matters = seek.below(index) > f64::NEG_INFINITY;
-                let mut look = || self.look(pair, index, When { row: 0, fraction: 0.0 }, LOOK_AHEAD, *seek).gap.distance;
+                let mut look =
+                    || self.look(pair, index, When { row: 0, fraction: 0.0 }, LOOK_AHEAD, *seek).gap.distance;
                 leases.push(if matters { look() } else { f64::INFINITY });
             }
         }
@@ -141,7 +137,9 @@ impl<'a> Sweep<'a> {
             budget.check()?;
             self.between.clear();
             self.bound_travel(row, &mut travel);
-            for (index, ((pair, joints), leases)) in pairs.iter().zip(&joints).zip(leases.chunks_mut(seeks.len())).enumerate() {
+            for (index, ((pair, joints), leases)) in
+                pairs.iter().zip(&joints).zip(leases.chunks_mut(seeks.len())).enumerate()
+            {
                 let sum = |by_mover: &[Vec<f64>]| {
                     let second = match pair.second {
                         Other::Still { .. } => 0.0,

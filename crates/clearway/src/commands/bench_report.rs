@@ -27,6 +27,11 @@ pub fn run(args: &BenchReportArgs) -> Result<Exit, Failure> {
     for (name, text) in &report.files {
         output::write(&directory.join(name), text.as_bytes())?;
     }
-    tell(&format!("{} rows; {} files, first of all {}", found.len(), report.files.len(), directory.join("report.md").display()));
+    tell(&format!(
+        "{} rows; {} files, first of all {}",
+        found.len(),
+        report.files.len(),
+        directory.join("report.md").display()
+    ));
     Ok(Exit::Done)
 }

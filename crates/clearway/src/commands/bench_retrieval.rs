@@ -57,7 +57,9 @@ pub fn run(experiment: Experiment, args: &BenchRetrievalArgs) -> Result<Exit, Fa
     let directory = args.out.as_ref().map(|d| format!("; `clearway bench report {}` makes the tables", d.display()));
     tell(&format!("{}: {} runs, {} of them now{}", experiment.name(), all.len(), count, directory.unwrap_or_default()));
     if refused > 0 {
-        return Err(Failure::internal(format!("the verifier refused {refused} of the plans; their rows say `refused`")));
+        return Err(Failure::internal(format!(
+            "the verifier refused {refused} of the plans; their rows say `refused`"
+        )));
     }
     Ok(Exit::Done)
 }

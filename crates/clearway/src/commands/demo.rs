@@ -17,7 +17,8 @@ pub fn run() -> Result<Exit, Failure> {
     output::check([plan, page], &[])?;
     let scene = Scene::from_text(Path::new("examples/shelf.yaml"), SCENE)?;
     let robot = Arc::new(Robot::load(&scene.file.robot.model, here, &[])?);
-    let mut planner = Planner::new(scene, robot, Settings::default()).map_err(|u| Failure::internal(format!("the demo scene: {u:?}")))?;
+    let mut planner = Planner::new(scene, robot, Settings::default())
+        .map_err(|u| Failure::internal(format!("the demo scene: {u:?}")))?;
     let request = Request::new(1, super::budget(None).with_time(Duration::from_secs(60)));
     let mut progress = Progress::new(true);
     let outcome = clearway::solve(&mut planner, &request, here, &mut progress);

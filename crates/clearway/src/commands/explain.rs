@@ -32,7 +32,11 @@ fn text(plan: &PlanFile) -> String {
             out += &format!("{}\n", plan.why.summary);
             if let Some(bound) = &plan.lower_bound {
                 let gap = plan.removed.len().saturating_sub(bound.removed);
-                out += &format!("Removed {}, at least {} needed, gap {gap}; the proof: ", plan.removed.len(), bound.removed);
+                out += &format!(
+                    "Removed {}, at least {} needed, gap {gap}; the proof: ",
+                    plan.removed.len(),
+                    bound.removed
+                );
                 out += &proof(bound);
             }
         }
@@ -71,7 +75,11 @@ fn known(known: &Known) -> String {
     let new = if known.new.is_empty() { "nothing new".to_owned() } else { format!("new: {}", known.new.join(", ")) };
     let aim = match known.chance {
         None => format!("{} is in view, and this is for it", known.taking),
-        Some(chance) => format!("to look behind {}: {:.0} % of the places left for the target come into view", known.taking, 100.0 * chance),
+        Some(chance) => format!(
+            "to look behind {}: {:.0} % of the places left for the target come into view",
+            known.taking,
+            100.0 * chance
+        ),
     };
     format!("Before step {}: {} objects seen ({new}); {aim}\n", known.step + 1, known.seen.len())
 }
@@ -79,7 +87,8 @@ fn known(known: &Known) -> String {
 /// What proves the bound, in words.
 fn proof(bound: &LowerBound) -> String {
     let grasps = || serde_json::from_value::<GraspsProof>(bound.proof.clone()).ok();
-    let shut_in = || serde_json::from_value::<BarriersProof>(bound.proof.clone()).ok().filter(|p| !p.barriers.is_empty());
+    let shut_in =
+        || serde_json::from_value::<BarriersProof>(bound.proof.clone()).ok().filter(|p| !p.barriers.is_empty());
     let told = match bound.kind.as_str() {
         "grasps" => grasps().map(|proof| {
             let stretch = format!("the straight {} m before them", proof.standoff);
@@ -101,13 +110,21 @@ fn barriers(proof: &BarriersProof) -> String {
     let mut out = "what shuts the target in, whatever the hand and the arm".to_owned();
     if let Some(Enclosure { lean, floor, ceiling, .. }) = &proof.enclosure {
         let degrees = lean.to_degrees();
-        out += &format!(";\n  between {} and {} it cannot be lifted over that, leaning by up to {degrees:.0}°", floor.fixture, ceiling.fixture);
+        out += &format!(
+            ";\n  between {} and {} it cannot be lifted over that, leaning by up to {degrees:.0}°",
+            floor.fixture, ceiling.fixture
+        );
     }
     out.push('\n');
     let whole = proof.barriers.iter().all(|b| b.weight > 1.0 - 1e-6);
     for barrier in &proof.barriers {
-        let fixtures: BTreeSet<&str> = barrier.chain.iter().map(|l| l.body.as_str()).filter(|b| !barrier.objects.iter().any(|o| o == b)).collect();
-        let among = if fixtures.is_empty() { String::new() } else { format!(", in a ring with {}", Vec::from_iter(fixtures).join(", ")) };
+        let fixtures: BTreeSet<&str> =
+            barrier.chain.iter().map(|l| l.body.as_str()).filter(|b| !barrier.objects.iter().any(|o| o == b)).collect();
+        let among = if fixtures.is_empty() {
+            String::new()
+        } else {
+            format!(", in a ring with {}", Vec::from_iter(fixtures).join(", "))
+        };
         let weight = if whole { String::new() } else { format!(" (weight {:.2})", barrier.weight) };
         out += &format!("  one of {} has to go{among}{weight}\n", barrier.objects.join(", "));
     }
@@ -155,7 +172,11 @@ fn drives(plan: &PlanFile) -> String {
     };
     match drives.len() {
         0 => String::new(),
-        n => format!("The base moves {n} time{}:\n{}", if n == 1 { "" } else { "s" }, drives.iter().map(line).collect::<String>()),
+        n => format!(
+            "The base moves {n} time{}:\n{}",
+            if n == 1 { "" } else { "s" },
+            drives.iter().map(line).collect::<String>()
+        ),
     }
 }
 

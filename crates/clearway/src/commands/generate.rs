@@ -31,18 +31,29 @@ pub fn run(args: &GenerateArgs) -> Result<Exit, Failure> {
         NoScene::Unsound(_) => Failure::internal(error.to_string()),
         _ => Failure::bad_input(format!("{error} (--objects {objects})")),
     })?;
-    let text = serde_saphyr::to_string(&drawn.file).map_err(|e| Failure::internal(format!("the scene is no YAML: {e}")))?;
+    let text =
+        serde_saphyr::to_string(&drawn.file).map_err(|e| Failure::internal(format!("the scene is no YAML: {e}")))?;
     match &args.output {
         Some(path) => output::write(path, text.as_bytes())?,
         None => output::print(&text)?,
     }
     if matches!(args.kind, Kind::Occluded) {
-        tell(&format!("{} objects, target {}; {} rejected because no plan was found even with all of them known", drawn.file.objects.len(), drawn.file.target, drawn.rejected));
+        tell(&format!(
+            "{} objects, target {}; {} rejected because no plan was found even with all of them known",
+            drawn.file.objects.len(),
+            drawn.file.target,
+            drawn.rejected
+        ));
         return Ok(Exit::Done);
     }
     if matches!(args.kind, Kind::Table) && (args.contrast || least <= 1) {
         let why = if args.contrast { "; draws in which driving does not help were rejected" } else { "" };
-        tell(&format!("{} objects, target {}; {} rejected{why}", drawn.file.objects.len(), drawn.file.target, drawn.rejected));
+        tell(&format!(
+            "{} objects, target {}; {} rejected{why}",
+            drawn.file.objects.len(),
+            drawn.file.target,
+            drawn.rejected
+        ));
         if !drawn.as_wanted {
             tell("warning: no draw was one in which driving helps; the last one is kept");
         }

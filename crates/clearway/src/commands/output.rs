@@ -12,7 +12,9 @@ pub fn check<'a>(outputs: impl IntoIterator<Item = &'a Path>, inputs: &[&Path]) 
     let mut taken: Vec<(&Path, &str)> = inputs.iter().map(|p| (*p, "the input")).collect();
     for output in outputs {
         if let Some((_, what)) = taken.iter().find(|(other, _)| same_file(output, other)) {
-            return Err(FileError::new(output, format!("would be written over {what}")).help("name another file").into());
+            return Err(FileError::new(output, format!("would be written over {what}"))
+                .help("name another file")
+                .into());
         }
         clearway_files::check_writable(output)?;
         taken.push((output, "another output"));
@@ -35,7 +37,10 @@ fn whole(path: &Path) -> Option<PathBuf> {
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let _undisturbed = interrupt::writing();
     if interrupt::raised() {
-        return Err(Failure { exit: Exit::Interrupted, message: format!("interrupted; {} was not written", path.display()) });
+        return Err(Failure {
+            exit: Exit::Interrupted,
+            message: format!("interrupted; {} was not written", path.display()),
+        });
     }
     Ok(clearway_files::write_atomic(path, bytes)?)
 }
@@ -44,7 +49,9 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 pub fn print(bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(bytes.as_ref()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::bad_input(format!("stdout cannot be written: {error}"))),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::bad_input(format!("stdout cannot be written: {error}")))
+        }
         _ => Ok(()),
     }
 }

@@ -1,13 +1,15 @@
 //! `clearway plan`: the main job.
 
-use super::{budget, directory_of};
 use super::output::{self, print, tell, write_page, write_plan};
 use super::summary::{self, Progress};
 use super::symbolic;
+use super::{budget, directory_of};
 use crate::cli::{First, LookKind, PlanArgs, SearchKind};
 use crate::exit::{Exit, Failure};
 use clearway::pddl::Handling;
-use clearway::{CollisionModel, FileError, LookRule, FirstLimit, Outcome, Planner, Pushes, Request, Search, Settings, Stop, Unfit};
+use clearway::{
+    CollisionModel, FileError, FirstLimit, LookRule, Outcome, Planner, Pushes, Request, Search, Settings, Stop, Unfit,
+};
 use clearway_files::{Limits, yaml};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -40,9 +42,16 @@ pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
             return Err(Failure::bad_input(why.to_owned()));
         }
         let model = Arc::new(CollisionModel::new(robot));
-        let outcome = clearway::solve_observed(scene, model, settings(args), rule(args), &request, &directory, &mut progress);
+        let outcome =
+            clearway::solve_observed(scene, model, settings(args), rule(args), &request, &directory, &mut progress);
         progress.clear();
-        return finish(outcome.map_err(|u| unfit(&args.scene, &u))?, args.output.as_deref(), args.html.as_deref(), &directory, args.json);
+        return finish(
+            outcome.map_err(|u| unfit(&args.scene, &u))?,
+            args.output.as_deref(),
+            args.html.as_deref(),
+            &directory,
+            args.json,
+        );
     }
     if let Some(option) = args.symbolic.unused() {
         return Err(Failure::bad_input(format!("{option} is for plans with --goal or --symbolic")));
@@ -52,15 +61,19 @@ pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
         return Err(Failure::bad_input(why.to_owned()));
     }
     if args.symbolic.asked() && (args.paper || args.search.is_some() || args.first_limit != First::One) {
-        let why = "--paper, --search and --first-limit are for plans by the retrieval graph, without --goal and --symbolic";
+        let why =
+            "--paper, --search and --first-limit are for plans by the retrieval graph, without --goal and --symbolic";
         return Err(Failure::bad_input(why.to_owned()));
     }
     if args.symbolic.asked() {
         if args.improve.is_some() {
-            return Err(Failure::bad_input("--improve is for plans that have the target, without --goal and --symbolic".to_owned()));
+            return Err(Failure::bad_input(
+                "--improve is for plans that have the target, without --goal and --symbolic".to_owned(),
+            ));
         }
         let model = Arc::new(CollisionModel::new(robot));
-        let mut handling = Handling::new(scene, model, settings(args), args.seed).map_err(|u| unfit(&args.scene, &u))?;
+        let mut handling =
+            Handling::new(scene, model, settings(args), args.seed).map_err(|u| unfit(&args.scene, &u))?;
         let outcome = symbolic::solve(&args.symbolic, &mut handling, &request, &directory)?;
         progress.clear();
         return finish(outcome, args.output.as_deref(), args.html.as_deref(), &directory, args.json);
@@ -69,16 +82,26 @@ pub fn run(args: &PlanArgs) -> Result<Exit, Failure> {
     let outcome = clearway::solve(&mut planner, &request, &directory, &mut progress);
     progress.clear();
     let outcome = match (outcome, args.improve) {
-        (Outcome::Solved(first), Some(spend)) => {
-            Outcome::Solved(clearway::improve(&mut planner, first, &request, Duration::from_secs_f64(spend), &directory))
-        }
+        (Outcome::Solved(first), Some(spend)) => Outcome::Solved(clearway::improve(
+            &mut planner,
+            first,
+            &request,
+            Duration::from_secs_f64(spend),
+            &directory,
+        )),
         (outcome, _) => outcome,
     };
     finish(outcome, args.output.as_deref(), args.html.as_deref(), &directory, args.json)
 }
 
 /// Writes what was asked for, tells, and says how the program ends.
-pub fn finish(outcome: Outcome, output: Option<&Path>, html: Option<&Path>, directory: &Path, json: bool) -> Result<Exit, Failure> {
+pub fn finish(
+    outcome: Outcome,
+    output: Option<&Path>,
+    html: Option<&Path>,
+    directory: &Path,
+    json: bool,
+) -> Result<Exit, Failure> {
     let (plan, report, exit) = match outcome {
         Outcome::Solved(verified) => {
             let report = verified.report().clone();

@@ -49,7 +49,11 @@ impl Rows {
     }
 
     /// Goes on with NAME.jsonl, and hands its rows on. A last line that was cut short is taken away.
-    pub fn resume<T: DeserializeOwned>(directory: &Path, name: &str, settings: &Value) -> Result<(Rows, Vec<T>), Failure> {
+    pub fn resume<T: DeserializeOwned>(
+        directory: &Path,
+        name: &str,
+        settings: &Value,
+    ) -> Result<(Rows, Vec<T>), Failure> {
         let path = directory.join(name).with_extension("jsonl");
         let known = settings_of(&path);
         if !known.exists() && !path.exists() {
@@ -60,9 +64,12 @@ impl Rows {
         let made: Value = serde_json::from_str(&text)
             .map_err(|e| FileError::new(&known, format!("is not what an earlier run wrote: {e}")).help(ANEW))?;
         if made != *settings {
-            return Err(FileError::new(&known, format!("the earlier run was made with {made}, this one would be with {settings}"))
-                .help("give the same options, or name another directory")
-                .into());
+            return Err(FileError::new(
+                &known,
+                format!("the earlier run was made with {made}, this one would be with {settings}"),
+            )
+            .help("give the same options, or name another directory")
+            .into());
         }
         let file = OpenOptions::new().append(true).create(true).open(&path).map_err(|e| unwritable(&path, &e))?;
         let rows = Self::alone((path.clone(), file))?;
@@ -76,9 +83,9 @@ impl Rows {
     /// Nobody else may add rows.
     fn alone((path, file): (PathBuf, File)) -> Result<Rows, Failure> {
         match file.try_lock() {
-            Err(TryLockError::WouldBlock) => {
-                Err(FileError::new(&path, "another run is writing to it").help("wait for its end, or name another directory").into())
-            }
+            Err(TryLockError::WouldBlock) => Err(FileError::new(&path, "another run is writing to it")
+                .help("wait for its end, or name another directory")
+                .into()),
             // A file system without locks is no reason not to work.
             Ok(()) | Err(TryLockError::Error(_)) => Ok(Rows { file: Some((path, file)), summary: None }),
         }
@@ -133,7 +140,8 @@ fn settings_of(path: &Path) -> PathBuf {
 }
 
 fn make(directory: &Path) -> Result<(), FileError> {
-    let impossible = |e| FileError::new(directory, format!("cannot be made a directory: {e}")).help("choose another one for --out");
+    let impossible =
+        |e| FileError::new(directory, format!("cannot be made a directory: {e}")).help("choose another one for --out");
     fs::create_dir_all(directory).map_err(impossible)
 }
 

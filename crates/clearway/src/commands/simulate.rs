@@ -1,11 +1,11 @@
 //! `clearway simulate`: plays a plan file in a physics engine, once, or many times with noise.
 
-use super::{budget, directory_of};
 use super::output::print;
+use super::{budget, directory_of};
 use crate::cli::SimulateArgs;
 use crate::exit::{Exit, Failure};
-use clearway::simulate::{CannotSimulate, Noise, Settings, simulate, trials};
 use clearway::Stop;
+use clearway::simulate::{CannotSimulate, Noise, Settings, simulate, trials};
 use serde::Serialize;
 use std::fmt::Display;
 
@@ -22,7 +22,9 @@ pub fn run(args: &SimulateArgs) -> Result<Exit, Failure> {
     let directory = directory_of(&args.plan);
     let budget = budget(args.threads);
     let failed = |error| match error {
-        CannotSimulate::Stopped(Stop::Cancelled) => Failure { exit: Exit::Interrupted, message: "interrupted".to_owned() },
+        CannotSimulate::Stopped(Stop::Cancelled) => {
+            Failure { exit: Exit::Interrupted, message: "interrupted".to_owned() }
+        }
         other => Failure::bad_input(format!("{}: {other}", args.plan.display())),
     };
     if args.trials.is_none() && noise.is_none() {

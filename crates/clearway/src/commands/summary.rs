@@ -69,7 +69,10 @@ pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> Stri
     if plan.status == Status::Solved {
         match plan.goal {
             Some(_) if plan.steps.is_empty() => out += "  the goal holds as things stand\n",
-            Some(_) => out += &format!("  moved {} in {}\n", count(plan.removed.len(), "object"), count(plan.steps.len(), "step")),
+            Some(_) => {
+                out +=
+                    &format!("  moved {} in {}\n", count(plan.removed.len(), "object"), count(plan.steps.len(), "step"))
+            }
             None => out += &format!("  removed {}{}\n", plan.removed.len(), bound(plan)),
         }
         for step in &plan.why.objects {
@@ -106,7 +109,13 @@ fn clearance(plan: &PlanFile) -> String {
     let Some(clearance) = &plan.clearance else { return String::new() };
     let Some(least) = &clearance.least else { return format!("; clearance more than {:.0} mm", clearance.up_to * 1e3) };
     let asked = if clearance.asked > 0.0 { format!(" ({:.1} mm asked)", clearance.asked * 1e3) } else { String::new() };
-    format!("; clearance {:.1} mm{asked}, {} and {} at {:.1} s", least.distance * 1e3, least.between[0], least.between[1], least.time)
+    format!(
+        "; clearance {:.1} mm{asked}, {} and {} at {:.1} s",
+        least.distance * 1e3,
+        least.between[0],
+        least.between[1],
+        least.time
+    )
 }
 
 fn count(n: usize, what: &str) -> String {
@@ -115,7 +124,11 @@ fn count(n: usize, what: &str) -> String {
 
 fn bound(plan: &PlanFile) -> String {
     match &plan.lower_bound {
-        Some(b) => format!(", at least {} needed ({})", b.removed, if b.kind == "grasps" { "declared grasps" } else { &b.kind }),
+        Some(b) => format!(
+            ", at least {} needed ({})",
+            b.removed,
+            if b.kind == "grasps" { "declared grasps" } else { &b.kind }
+        ),
         None => String::new(),
     }
 }

@@ -142,7 +142,13 @@ impl Body {
         let from = self.balls.len();
         let spheres: Vec<Sphere> = spheres.iter().map(|(_, s)| *s).collect();
         self.balls.extend(spheres.iter().map(ball));
-        self.parts.push(Part { link, carrier, frame, bound: ball(&bounding_sphere(&spheres)), balls: from..self.balls.len() });
+        self.parts.push(Part {
+            link,
+            carrier,
+            frame,
+            bound: ball(&bounding_sphere(&spheres)),
+            balls: from..self.balls.len(),
+        });
     }
 
     /// `members`: by part, which of its link's spheres it has.
@@ -223,7 +229,9 @@ impl Body {
             body.inner.extend(part.iter().map(|(i, _)| solid.depth(spheres[*i].centre) as f32));
         });
         let aside = |a: usize| settings.still_aside && self.parts[a].frame == 0;
-        for a in (0..first).filter(|&a| self.parts[a].frame != seat.frame && !aside(a) && !beside.contains(&self.parts[a].link)) {
+        for a in (0..first)
+            .filter(|&a| self.parts[a].frame != seat.frame && !aside(a) && !beside.contains(&self.parts[a].link))
+        {
             for b in first..body.parts.len() {
                 body.add_pair(a, b, |_, _| true);
             }
@@ -280,7 +288,13 @@ fn divide(spheres: &mut [(usize, Sphere)], settings: &Settings, found: &mut impl
     let (min, max) =
         all.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), s| (a.min(s.centre), b.max(s.centre)));
     let size = max - min;
-    let axis = if size.x >= size.y && size.x >= size.z { 0 } else if size.y >= size.z { 1 } else { 2 };
+    let axis = if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
     spheres.sort_by(|(_, a), (_, b)| a.centre[axis].total_cmp(&b.centre[axis]));
     let (left, right) = spheres.split_at_mut(spheres.len() / 2);
     divide(left, settings, found);

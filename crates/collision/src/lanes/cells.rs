@@ -57,7 +57,9 @@ fn turns_alike(group: &Group, joint: usize, link: usize, part: usize) -> bool {
     let step = &kinematics.steps()[joint];
     let Motion::Turn { axis, .. } = step.motion else { return false };
     // The axis is the same line in the frames on either side of the joint.
-    let Some(beside) = [step.parent, joint].into_iter().find(|side| rigid(kinematics, link, *side)) else { return false };
+    let Some(beside) = [step.parent, joint].into_iter().find(|side| rigid(kinematics, link, *side)) else {
+        return false;
+    };
     let Some(shared) = shared(kinematics, link, beside) else { return false };
     let seen = |l: usize| kinematics.seen_from(shared, l, &vec![0.0; kinematics.arm_joints], 0.0);
     let beside_from_joint = if beside == joint { Pose::IDENTITY } else { step.parent_from_joint };
@@ -74,7 +76,13 @@ fn turns_alike(group: &Group, joint: usize, link: usize, part: usize) -> bool {
 }
 
 /// Finds out about a block of cells: at once if it is clear, else in halves.
-pub(super) fn fill(clear: &mut [bool], measure: &mut Measure, axes: &[Axis], rows: Range<usize>, columns: Range<usize>) {
+pub(super) fn fill(
+    clear: &mut [bool],
+    measure: &mut Measure,
+    axes: &[Axis],
+    rows: Range<usize>,
+    columns: Range<usize>,
+) {
     let count = clear.len() / CELLS;
     match measure.look(axes, [&rows, &columns]) {
         Look::Clear => rows.for_each(|row| clear[row * count..][columns.clone()].fill(true)),
@@ -130,7 +138,14 @@ pub(super) struct Measure<'a> {
 }
 
 impl<'a> Measure<'a> {
-    pub fn new(group: &'a Group, a: usize, b: usize, margin: f64, [low, high]: [f64; 2], pieces: usize) -> Option<Measure<'a>> {
+    pub fn new(
+        group: &'a Group,
+        a: usize,
+        b: usize,
+        margin: f64,
+        [low, high]: [f64; 2],
+        pieces: usize,
+    ) -> Option<Measure<'a>> {
         let half_hand = if high.is_finite() { (high - low) / pieces as f64 / 2.0 } else { 0.0 };
         let count = |link: usize| group.links[link].collision.parts.len();
         let reaches = |link: usize| (0..count(link)).map(|part| reach_of_part(group, link, part)).collect::<Vec<_>>();
@@ -154,7 +169,9 @@ impl<'a> Measure<'a> {
             b,
             margin,
             q: (0..group.lower.len()).map(|j| f64::midpoint(group.range(j).0, group.range(j).1)).collect(),
-            hands: (0..pieces).map(|i| if low.is_finite() { low + half_hand * (2 * i + 1) as f64 } else { group.hand[0] }).collect(),
+            hands: (0..pieces)
+                .map(|i| if low.is_finite() { low + half_hand * (2 * i + 1) as f64 } else { group.hand[0] })
+                .collect(),
             half_hand,
             parts: pairs.map(parts).collect(),
         })
@@ -179,9 +196,12 @@ impl<'a> Measure<'a> {
                 let pair = &mut self.parts[index];
                 let ((own, convex), (others, other)) = (part(self.a, pair.own), part(self.b, pair.other));
                 let (own, others) = (from_a * *own, from_b * *others);
-                let half = |(axis, cells): (&Axis, &Range<usize>)| pair.reach[axis.variable] * axis.cell * cells.len() as f64 / 2.0;
+                let half = |(axis, cells): (&Axis, &Range<usize>)| {
+                    pair.reach[axis.variable] * axis.cell * cells.len() as f64 / 2.0
+                };
                 let moved = self.half_hand * pair.reach[self.q.len()] + axes.iter().zip(cells).map(half).sum::<f64>();
-                let apart = own.translation.distance(others.translation) - convex.bounding_radius() - other.bounding_radius();
+                let apart =
+                    own.translation.distance(others.translation) - convex.bounding_radius() - other.bounding_radius();
                 let mut near = |room: f64| {
                     apart < room && closer_than_along(convex, &own, other, &others, room, &mut pair.direction)
                 };

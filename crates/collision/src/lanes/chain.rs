@@ -99,7 +99,8 @@ pub struct Chain {
 
 impl Chain {
     pub fn new(kinematics: &Kinematics) -> Self {
-        let mut chain = Chain { steps: Vec::new(), seats: Vec::new(), moved_by: vec![0], joints: kinematics.arm_joints };
+        let mut chain =
+            Chain { steps: Vec::new(), seats: Vec::new(), moved_by: vec![0], joints: kinematics.arm_joints };
         for (index, step) in kinematics.steps().iter().enumerate() {
             if index == 0 {
                 chain.seats.push(Seat { frame: 0, frame_from_link: Pose::IDENTITY });
@@ -168,7 +169,8 @@ impl Chain {
                 y.store(&mut frame.y);
             } else {
                 let (s, c) = sin_cos(simd, value);
-                Point { x: x.x.mul_add(c, y.x * s), y: x.y.mul_add(c, y.y * s), z: x.z.mul_add(c, y.z * s) }.store(&mut frame.x);
+                Point { x: x.x.mul_add(c, y.x * s), y: x.y.mul_add(c, y.y * s), z: x.z.mul_add(c, y.z * s) }
+                    .store(&mut frame.x);
                 Point { x: y.x.mul_add(c, -(x.x * s)), y: y.y.mul_add(c, -(x.y * s)), z: y.z.mul_add(c, -(x.z * s)) }
                     .store(&mut frame.y);
             }

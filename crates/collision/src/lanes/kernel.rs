@@ -17,8 +17,8 @@ use super::body::{Body, Part, Settings as BodySettings};
 use super::chain::Frame;
 use super::neighbours::{self, Neighbours};
 use super::never::Relative;
-use super::suspects::{Suspects, note};
 use super::obstacles::Obstacles;
+use super::suspects::{Suspects, note};
 use super::vector::{LANES, Lanes, Point, bits, counting, load, splat, store};
 use clearway_robot::{Group, Sphere};
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch, f32x16};
@@ -117,12 +117,23 @@ impl Kernel {
 
     /// The same with another body, which has more on it.
     pub fn with_body(&self, body: Body) -> Self {
-        Self { body, level: self.level, neighbours: self.neighbours.clone(), still: self.still.clone(), idle: Arc::default() }
+        Self {
+            body,
+            level: self.level,
+            neighbours: self.neighbours.clone(),
+            still: self.still.clone(),
+            idle: Arc::default(),
+        }
     }
 
     /// For links that `spheres` only cover. Pairs that their own shapes prove apart are left out, and
     /// near neighbours are asked by tables; `unchecked` are never checked.
-    pub fn of_covers(group: &Group, spheres: &[Vec<Sphere>], mut unchecked: Vec<(usize, usize)>, settings: &BodySettings) -> Self {
+    pub fn of_covers(
+        group: &Group,
+        spheres: &[Vec<Sphere>],
+        mut unchecked: Vec<(usize, usize)>,
+        settings: &BodySettings,
+    ) -> Self {
         let links = group.links.len();
         for (a, b) in (0..links).flat_map(|a| (a + 1..links).map(move |b| (a, b))) {
             let (own, other) = (&group.links[a].collision, &group.links[b].collision);
@@ -137,11 +148,18 @@ impl Kernel {
         let still = |l: usize| kinematics.is_still(l);
         let shaped = |l: usize| !spheres[l].is_empty();
         let all = (0..links).flat_map(|a| (a + 1..links).map(move |b| (a, b)));
-        let aside = all.filter(|&(a, b)| still(a) != still(b) && shaped(a) && shaped(b) && !unchecked.contains(&(a, b)));
+        let aside =
+            all.filter(|&(a, b)| still(a) != still(b) && shaped(a) && shaped(b) && !unchecked.contains(&(a, b)));
         let aside = settings.still_aside.then(|| Arc::new(aside.collect()));
-        let seen = |(link, spheres): (usize, &Vec<Sphere>)| if aside.is_some() && still(link) { Vec::new() } else { spheres.clone() };
+        let seen = |(link, spheres): (usize, &Vec<Sphere>)| {
+            if aside.is_some() && still(link) { Vec::new() } else { spheres.clone() }
+        };
         let spheres: Vec<Vec<Sphere>> = spheres.iter().enumerate().map(seen).collect();
-        Self { neighbours: neighbours.into(), still: aside, ..Self::new(Body::new(group, &spheres, &unchecked, settings)) }
+        Self {
+            neighbours: neighbours.into(),
+            still: aside,
+            ..Self::new(Body::new(group, &spheres, &unchecked, settings))
+        }
     }
 
     /// Room for questions: some that was given back, or new.
@@ -298,7 +316,15 @@ impl Kernel {
 
     /// Samples one stretch, its near lanes pushed onto `scratch.near`; false when something touches.
     #[inline(always)]
-    fn stretch<S: Simd>(&self, simd: S, lo: f32, hi: f32, count: usize, around: &Around, scratch: &mut Scratch) -> bool {
+    fn stretch<S: Simd>(
+        &self,
+        simd: S,
+        lo: f32,
+        hi: f32,
+        count: usize,
+        around: &Around,
+        scratch: &mut Scratch,
+    ) -> bool {
         let batches = count / LANES;
         let step = (hi - lo) / (count - 1) as f32;
         self.set_step(simd, step, scratch);
@@ -345,7 +371,14 @@ impl Kernel {
     }
 
     #[inline(always)]
-    fn all_suspects<S: Simd>(&self, simd: S, joints: &[Lanes], around: &Around, scratch: &mut Scratch, suspects: &mut Suspects) {
+    fn all_suspects<S: Simd>(
+        &self,
+        simd: S,
+        joints: &[Lanes],
+        around: &Around,
+        scratch: &mut Scratch,
+        suspects: &mut Suspects,
+    ) {
         scratch.configurations += LANES as u64;
         self.set_swing(simd, scratch);
         self.set_step(simd, 1.0, scratch);
@@ -398,8 +431,9 @@ impl Kernel {
         scratch.configurations += LANES as u64;
         let Scratch { frames, from, by, .. } = scratch;
         let (from, by) = (&from[..], &by[..]);
-        let variable =
-            |j: usize| if j < from.len() { t.mul_add(splat(simd, by[j]), splat(simd, from[j])) } else { splat(simd, hand) };
+        let variable = |j: usize| {
+            if j < from.len() { t.mul_add(splat(simd, by[j]), splat(simd, from[j])) } else { splat(simd, hand) }
+        };
         self.body.chain.place(simd, variable, frames);
     }
 
@@ -435,7 +469,14 @@ impl Kernel {
             centre.store(&mut scratch.centres[index]);
             if first {
                 let swing = scratch.swing[index / LANES].0[index % LANES];
-                self.reach::<S, ALL>(simd, index, part, swing * scratch.strays + larger + margins[0].max(margins[1]), around, scratch);
+                self.reach::<S, ALL>(
+                    simd,
+                    index,
+                    part,
+                    swing * scratch.strays + larger + margins[0].max(margins[1]),
+                    around,
+                    scratch,
+                );
             }
             let (from, to) = scratch.reached[index];
             for candidate in from..to {
@@ -473,7 +514,9 @@ impl Kernel {
                 }
                 match (link, around.obstacles.owner(slot)) {
                     _ if met == 0 => {}
-                    (Some(link), _) => note(&mut suspects.pairs, (link.min(part.link), link.max(part.link)), (met, sure)),
+                    (Some(link), _) => {
+                        note(&mut suspects.pairs, (link.min(part.link), link.max(part.link)), (met, sure))
+                    }
                     (None, Some(owner)) => note(&mut suspects.obstacles, (part.link, owner as usize), (met, sure)),
                     (None, None) => {}
                 }

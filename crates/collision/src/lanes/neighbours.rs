@@ -83,7 +83,10 @@ pub fn find(group: &Group, spheres: &[Vec<Sphere>], unchecked: &[(usize, usize)]
     let near = |&(a, b): &(usize, usize)| {
         let between = kinematics.moved_by[a] ^ kinematics.moved_by[b];
         let shaped = !spheres[a].is_empty() && !spheres[b].is_empty();
-        shaped && (1..=MOST_JOINTS).contains(&between.count_ones()) && !unchecked.contains(&(a, b)) && shared(kinematics, a, b).is_some()
+        shaped
+            && (1..=MOST_JOINTS).contains(&between.count_ones())
+            && !unchecked.contains(&(a, b))
+            && shared(kinematics, a, b).is_some()
     };
     let mut pairs: Vec<((usize, usize), usize)> = all.filter(near).map(|pair| (pair, 0)).collect();
     let mut frames = Vec::new();
@@ -170,7 +173,8 @@ impl Neighbours {
         }
         let by = [to[0] - from[0], to[1] - from[1]];
         // Where the motion next leaves a row, or a column.
-        let next = |axis: usize, line: f64| if by[axis] == 0.0 { f64::INFINITY } else { (line - from[axis]) / by[axis] };
+        let next =
+            |axis: usize, line: f64| if by[axis] == 0.0 { f64::INFINITY } else { (line - from[axis]) / by[axis] };
         let first = |axis: usize| if by[axis] > 0.0 { from[axis].floor() + 1.0 } else { from[axis].ceil() - 1.0 };
         let mut lines = [first(0), first(1)];
         let mut t = 0.0_f64;

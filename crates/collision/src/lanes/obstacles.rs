@@ -162,7 +162,8 @@ impl Obstacles {
         mut found: impl FnMut(usize),
     ) {
         for (t, top) in self.tops.iter().enumerate() {
-            let mut groups = if self.groups.len() > 2 { top.near(simd, lo, hi, reach) } else { (1 << self.groups.len()) - 1 };
+            let mut groups =
+                if self.groups.len() > 2 { top.near(simd, lo, hi, reach) } else { (1 << self.groups.len()) - 1 };
             while groups != 0 {
                 let g = t * LANES + groups.trailing_zeros() as usize;
                 groups &= groups - 1;
@@ -190,7 +191,13 @@ fn split<T>(items: &mut [T], at: &impl Fn(&T) -> Vec3, leaf: &mut impl FnMut(&[T
     }
     let (min, max) = items.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), i| (a.min(at(i)), b.max(at(i))));
     let size = max - min;
-    let axis = if size.x >= size.y && size.x >= size.z { 0 } else if size.y >= size.z { 1 } else { 2 };
+    let axis = if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
     // A multiple of sixteen on the left keeps the leaves full.
     let half = (items.len() / 2).next_multiple_of(LANES).min(items.len() - 1);
     items.select_nth_unstable_by(half, |a, b| at(a)[axis].total_cmp(&at(b)[axis]));

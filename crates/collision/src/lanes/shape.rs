@@ -11,15 +11,40 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 /// A convex piece of an obstacle, in the root frame, metres.
 #[derive(Clone, Debug)]
 pub enum Shape {
-    Sphere { centre: [f32; 3], radius: f32 },
+    Sphere {
+        centre: [f32; 3],
+        radius: f32,
+    },
     /// `axis` is the unit direction from the middle to the upper end.
-    Capsule { centre: [f32; 3], axis: [f32; 3], half: f32, radius: f32 },
-    Cylinder { centre: [f32; 3], axis: [f32; 3], half: f32, radius: f32 },
+    Capsule {
+        centre: [f32; 3],
+        axis: [f32; 3],
+        half: f32,
+        radius: f32,
+    },
+    Cylinder {
+        centre: [f32; 3],
+        axis: [f32; 3],
+        half: f32,
+        radius: f32,
+    },
     /// `axes` are the box's own, by rows; none where they are the root's.
-    Box { centre: [f32; 3], axes: Option<[[f32; 3]; 3]>, half: [f32; 3] },
-    Hull { planes: Vec<[f32; 4]>, exact: Convex, pose: Pose },
+    Box {
+        centre: [f32; 3],
+        axes: Option<[[f32; 3]; 3]>,
+        half: [f32; 3],
+    },
+    Hull {
+        planes: Vec<[f32; 4]>,
+        exact: Convex,
+        pose: Pose,
+    },
     /// At most sixteen balls of one size; unused lanes repeat the first.
-    Points { at: [Lanes; 3], count: usize, radius: f32 },
+    Points {
+        at: [Lanes; 3],
+        count: usize,
+        radius: f32,
+    },
 }
 
 impl Shape {
@@ -28,7 +53,9 @@ impl Shape {
         let axis = narrow(root_from_part.rotation.z_axis);
         match convex {
             Convex::Sphere { radius } => Shape::Sphere { centre, radius: *radius as f32 },
-            Convex::Capsule { radius, half } => Shape::Capsule { centre, axis, half: *half as f32, radius: *radius as f32 },
+            Convex::Capsule { radius, half } => {
+                Shape::Capsule { centre, axis, half: *half as f32, radius: *radius as f32 }
+            }
             Convex::Cylinder { radius, half } => {
                 Shape::Cylinder { centre, axis, half: *half as f32, radius: *radius as f32 }
             }
@@ -162,7 +189,9 @@ fn boxed(pose: &Pose, half: Vec3) -> Shape {
     let rows = pose.rotation.transpose();
     // A box that lies along the root's axes, whichever of its own those are.
     let extent = |axis: Vec3| (0..3).find(|&k| (axis.to_array()[k].abs() - 1.0).abs() < 1e-12);
-    if let (Some(x), Some(y), Some(z)) = (extent(pose.rotation.x_axis), extent(pose.rotation.y_axis), extent(pose.rotation.z_axis)) {
+    if let (Some(x), Some(y), Some(z)) =
+        (extent(pose.rotation.x_axis), extent(pose.rotation.y_axis), extent(pose.rotation.z_axis))
+    {
         let mut along = [0.0; 3];
         along[x] = half.x as f32;
         along[y] = half.y as f32;

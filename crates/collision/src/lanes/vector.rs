@@ -1,6 +1,8 @@
 //! Sixteen numbers at once, and the few formulas that all of the kernel shares.
 
-use fearless_simd::{Select, Simd, SimdBase, SimdCvtTruncate, SimdFloat, SimdFrom, SimdMask, f32x16, i32x16, mask32x16};
+use fearless_simd::{
+    Select, Simd, SimdBase, SimdCvtTruncate, SimdFloat, SimdFrom, SimdMask, f32x16, i32x16, mask32x16,
+};
 
 /// Configurations, or obstacles, that are looked at together.
 pub const LANES: usize = 16;

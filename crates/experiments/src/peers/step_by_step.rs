@@ -76,7 +76,8 @@ fn seen_from_above(arm: &Feasibility) -> (Vec<Disc>, Workspace, Disc) {
         (low.y - exit.y, Side::MinY, Vec2::new(exit.x, low.y)),
         (exit.y - high.y, Side::MaxY, Vec2::new(exit.x, high.y)),
     ];
-    let (_, open, at) = beyond.into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a }).unwrap_or((0.0, Side::MinX, exit));
+    let (_, open, at) =
+        beyond.into_iter().reduce(|a, b| if b.0 > a.0 { b } else { a }).unwrap_or((0.0, Side::MinX, exit));
     let radius = circles.iter().map(|c| c.radius).fold(0.0, f64::max);
     (discs, Workspace { min: low, max: high, open }, Disc { at, radius })
 }

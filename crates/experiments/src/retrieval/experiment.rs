@@ -100,8 +100,16 @@ impl TaskPlanner {
 }
 
 impl Experiment {
-    pub const ALL: [Self; 8] =
-        [Self::Known, Self::Graphs, Self::Peers, Self::Large, Self::Optimal, Self::Occlusion, Self::Mobile, Self::Stacked];
+    pub const ALL: [Self; 8] = [
+        Self::Known,
+        Self::Graphs,
+        Self::Peers,
+        Self::Large,
+        Self::Optimal,
+        Self::Occlusion,
+        Self::Mobile,
+        Self::Stacked,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -129,8 +137,8 @@ impl Experiment {
     /// All its runs, those on one scene together; `quick`: a small cut.
     pub fn cases(self, quick: bool) -> Vec<Case> {
         use TaskPlanner::{
-            AllKnown, BruteForce, Clearway, Exact, Farthest, FixedBase, Largest, Paper, Sequences, ShortestPath, Streams,
-            StreamsIncremental, Traversability,
+            AllKnown, BruteForce, Clearway, Exact, Farthest, FixedBase, Largest, Paper, Sequences, ShortestPath,
+            Streams, StreamsIncremental, Traversability,
         };
         let sizes = [12, 16, 20];
         let (scenes, runs) = if quick { (2, 2) } else { (20, 20) };
@@ -244,7 +252,10 @@ mod tests {
             }
         }
         let of = |cases: &[Case], objects, planner| {
-            cases.iter().filter(|c| c.draw.objects == objects && c.planner == planner && c.first_limit == FirstLimit::One).count()
+            cases
+                .iter()
+                .filter(|c| c.draw.objects == objects && c.planner == planner && c.first_limit == FirstLimit::One)
+                .count()
         };
         for objects in [12, 16, 20] {
             assert_eq!(of(&Experiment::Known.cases(false), objects, TaskPlanner::Clearway), 400);

@@ -307,7 +307,8 @@ fn mobile(report: &mut Report, rows: &[&Row]) {
 }
 
 fn stacked(report: &mut Report, rows: &[&Row]) {
-    let mut table = Table::new("table4", "Table IV: one object on two before the target; three removals are the fewest");
+    let mut table =
+        Table::new("table4", "Table IV: one object on two before the target; three removals are the fewest");
     for ((objects, planner), rows) in grouped(rows, |r| (r.objects, &r.planner)) {
         let solved = solved(&rows);
         let fewest = solved.iter().filter(|r| r.removed <= r.least_removals).count();
@@ -325,7 +326,9 @@ fn stacked(report: &mut Report, rows: &[&Row]) {
     }
     report.table(&table);
     let series = grouped(&solved(rows), |r| r.planner.clone()).into_iter().map(|(name, rows)| {
-        let points = grouped(&rows, |r| r.objects).into_iter().filter_map(|(objects, rows)| point(objects, &values(&rows, total)));
+        let points = grouped(&rows, |r| r.objects)
+            .into_iter()
+            .filter_map(|(objects, rows)| point(objects, &values(&rows, total)));
         Series { name, points: points.collect() }
     });
     report.chart("table4_time", &lines("Table IV: planning time", "objects", "planning time [ms]", series.collect()));
@@ -370,7 +373,8 @@ fn optimal(report: &mut Report, rows: &[&Row]) {
 fn lower_bounds(report: &mut Report, rows: &[&Row]) {
     let optima = optima(rows);
     // Without a kind there is no bound: of partly observed scenes nothing is proved.
-    let own: Vec<&Row> = solved(rows).into_iter().filter(|r| r.planner == "clearway" && !r.bound_kind.is_empty()).collect();
+    let own: Vec<&Row> =
+        solved(rows).into_iter().filter(|r| r.planner == "clearway" && !r.bound_kind.is_empty()).collect();
     let kinds: BTreeSet<&str> = own.iter().map(|r| r.bound_kind.as_str()).collect();
     let kinds: Vec<(&str, String)> = kinds.into_iter().map(|kind| (kind, format!("{kind} bounds"))).collect();
     let mut table = Table::new("lower_bounds", "Removals against their lower bounds");

@@ -9,19 +9,19 @@ use clearway_files::FileError;
 use clearway_plan::event::{Event, Observer, Silent};
 use clearway_plan::plan_file::{self, LowerBound, Status};
 use clearway_plan::{Budget, PlanFile, Stop};
+use clearway_retrieval::handling::Handling;
 use clearway_retrieval::occlusion::guess::Rule;
 use clearway_retrieval::occlusion::simulated::play;
 use clearway_retrieval::order::{self, Fewest};
-use clearway_retrieval::handling::Handling;
 use clearway_retrieval::push::{self, Pushes};
 use clearway_retrieval::{Feasibility, FirstLimit, Planner, Request, Settings, Unfit, mobile};
 use clearway_robot::Robot;
 use clearway_scenarios::{self as scenarios, Wanted};
 use clearway_scene::Scene;
+use clearway_symbolic as symbolic;
 use clearway_symbolic::engine::Ferroplan;
 use clearway_symbolic::problem::{self, Asked};
 use clearway_symbolic::search::Algorithm;
-use clearway_symbolic as symbolic;
 use clearway_verify::verify;
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
@@ -61,7 +61,14 @@ pub enum NoRow {
 impl Bench {
     pub fn new(experiment: Experiment, time_limit: f64, budget: Budget) -> Self {
         let time_limit = Duration::from_secs_f64(time_limit);
-        Self { experiment, time_limit, budget, machine: Machine::this(), models: Mutex::default(), scenes: Mutex::default() }
+        Self {
+            experiment,
+            time_limit,
+            budget,
+            machine: Machine::this(),
+            models: Mutex::default(),
+            scenes: Mutex::default(),
+        }
     }
 
     /// Of the robot that a scene names.
@@ -99,7 +106,9 @@ impl Bench {
                 let mut planner = Planner::with_model(scene, model, settings(case)).map_err(unfit)?;
                 return self.exact(&mut planner, row);
             }
-            TaskPlanner::Clearway | TaskPlanner::Farthest | TaskPlanner::Largest if case.draw.kind == Kind::Occluded => {
+            TaskPlanner::Clearway | TaskPlanner::Farthest | TaskPlanner::Largest
+                if case.draw.kind == Kind::Occluded =>
+            {
                 let rule = match case.planner {
                     TaskPlanner::Farthest => Rule::Farthest,
                     TaskPlanner::Largest => Rule::Largest,
@@ -107,8 +116,12 @@ impl Bench {
                 };
                 play(scene, model, settings(case), rule, &request, &mut Silent).map_err(unfit)?.0
             }
-            TaskPlanner::Clearway | TaskPlanner::Paper | TaskPlanner::AllKnown | TaskPlanner::FixedBase
-            | TaskPlanner::Farthest | TaskPlanner::Largest => {
+            TaskPlanner::Clearway
+            | TaskPlanner::Paper
+            | TaskPlanner::AllKnown
+            | TaskPlanner::FixedBase
+            | TaskPlanner::Farthest
+            | TaskPlanner::Largest => {
                 let mut growing = Growing::default();
                 let mut planner = Planner::with_model(scene, model, settings(case)).map_err(unfit)?;
                 let plan = planner.plan(&request, &mut growing).plan;
@@ -139,11 +152,18 @@ impl Bench {
     }
 
     /// The target had with symbols and streams; what they need of the robot and of files is made ready before the clock runs.
-    fn with_streams(&self, scene: Scene, model: Arc<CollisionModel>, case: &Case, request: &Request) -> Result<PlanFile, Unmade> {
+    fn with_streams(
+        &self,
+        scene: Scene,
+        model: Arc<CollisionModel>,
+        case: &Case,
+        request: &Request,
+    ) -> Result<PlanFile, Unmade> {
         let domain = symbolic::domain();
         let streams = symbolic::streams(&domain).map_err(Unmade::Read)?;
         let mut handling = Handling::new(scene, model, settings(case), request.seed).map_err(Unmade::Unfit)?;
-        let goal = problem::retrieval(&domain, handling.scene()).ok_or_else(|| Unmade::Read(FileError::new("", "no goal")))?;
+        let goal =
+            problem::retrieval(&domain, handling.scene()).ok_or_else(|| Unmade::Read(FileError::new("", "no goal")))?;
         let algorithm = match case.planner {
             TaskPlanner::StreamsIncremental => Algorithm::Incremental,
             _ => Algorithm::Focused,
@@ -207,7 +227,9 @@ impl Bench {
         arm.drop_failed();
         let target = arm.scene().target;
         let began = Instant::now();
-        let found = arm.frozen(&budget).and_then(|ways| order::fewest(&ways, &[], target, usize::MAX, order::THOROUGH, &budget));
+        let found = arm
+            .frozen(&budget)
+            .and_then(|ways| order::fewest(&ways, &[], target, usize::MAX, order::THOROUGH, &budget));
         row.timing.task = began.elapsed().as_secs_f64();
         row.timing.total = row.timing.task;
         self.check_not_stopped()?;

@@ -9,7 +9,12 @@ use std::sync::mpsc;
 
 /// Runs all cases on `jobs` threads, in their order; `each` gets every row as it is there. Ends at the first
 /// error, its own included.
-pub fn run_all<E: From<NoRow>>(bench: &Bench, cases: &[Case], jobs: usize, mut each: impl FnMut(Row) -> Result<(), E>) -> Result<(), E> {
+pub fn run_all<E: From<NoRow>>(
+    bench: &Bench,
+    cases: &[Case],
+    jobs: usize,
+    mut each: impl FnMut(Row) -> Result<(), E>,
+) -> Result<(), E> {
     let mut left = HashMap::new();
     for case in cases {
         *left.entry(case.draw).or_insert(0_usize) += 1;

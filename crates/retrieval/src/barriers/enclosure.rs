@@ -50,7 +50,8 @@ impl Enclosure {
         };
         let all = || (0..scene.fixtures.len()).flat_map(|f| above_below(f).into_iter().map(move |p| (f, p)));
         let floor = all().filter(|(_, p)| p.top <= core.bottom + NOISE).max_by(|a, b| a.1.top.total_cmp(&b.1.top))?;
-        let ceiling = all().filter(|(_, p)| p.bottom >= core.top - NOISE).min_by(|a, b| a.1.bottom.total_cmp(&b.1.bottom))?;
+        let ceiling =
+            all().filter(|(_, p)| p.bottom >= core.top - NOISE).min_by(|a, b| a.1.bottom.total_cmp(&b.1.bottom))?;
         let region = floor.1.outline.clipped(&ceiling.1.outline, 0.0)?;
         let sine = (radius - SLACK) / height;
         let places_outside = scene.places.iter().all(|place| {

@@ -65,7 +65,8 @@ impl Barriers {
         };
         let mut barriers = Self::default();
         for ((chain, set), weight) in found.into_iter().zip(sets).zip(packing.weights).filter(|(_, w)| *w > 0.0) {
-            let link = |(body, to): (usize, Vec2)| ChainLink { body: chains.bodies[body].id.clone(), to: to.to_array() };
+            let link =
+                |(body, to): (usize, Vec2)| ChainLink { body: chains.bodies[body].id.clone(), to: to.to_array() };
             barriers.proof.barriers.push(proof::Barrier {
                 weight,
                 objects: set.names(&scene.names),
@@ -119,7 +120,9 @@ impl Chains {
         for a in 0..bodies.len() {
             for b in 0..a {
                 let (one, other) = (&bodies[a].outline, &bodies[b].outline);
-                let Some(via) = between(one, other, enclosure.reach()).filter(|via| enclosure.inside(*via)) else { continue };
+                let Some(via) = between(one, other, enclosure.reach()).filter(|via| enclosure.inside(*via)) else {
+                    continue;
+                };
                 let crossed = |p: Vec2, q: Vec2| crosses_ray(enclosure.target, p, q);
                 let odd = crossed(one.centre(), via) != crossed(via, other.centre());
                 neighbours[a].push(Neighbour { body: b, via, odd });

@@ -19,7 +19,8 @@ pub struct Packing {
 /// No set may be empty; elements are below `count`.
 pub fn pack(sets: &[ObjectSet], count: usize) -> Packing {
     // A row for each element in some set: the sets, the slacks, the right side. The last row: reduced costs.
-    let elements: Vec<usize> = sets.iter().fold(ObjectSet::EMPTY, |all, s| all.union(*s)).iter().map(|o| o.index()).collect();
+    let elements: Vec<usize> =
+        sets.iter().fold(ObjectSet::EMPTY, |all, s| all.union(*s)).iter().map(|o| o.index()).collect();
     let width = sets.len() + elements.len() + 1;
     let mut rows: Vec<Vec<f64>> = Vec::with_capacity(elements.len() + 1);
     for (r, element) in elements.iter().enumerate() {
@@ -38,7 +39,9 @@ pub fn pack(sets: &[ObjectSet], count: usize) -> Packing {
     while let Some(enters) = (0..width - 1).find(|&c| rows[last][c] < -ZERO) {
         let ratio = |r: usize| rows[r][width - 1] / rows[r][enters];
         let may = (0..last).filter(|&r| rows[r][enters] > ZERO);
-        let Some(leaves) = may.min_by(|&a, &b| ratio(a).total_cmp(&ratio(b)).then(basis[a].cmp(&basis[b]))) else { break };
+        let Some(leaves) = may.min_by(|&a, &b| ratio(a).total_cmp(&ratio(b)).then(basis[a].cmp(&basis[b]))) else {
+            break;
+        };
         let pivot = rows[leaves][enters];
         rows[leaves].iter_mut().for_each(|v| *v /= pivot);
         let pivot_row = rows[leaves].clone();
@@ -89,10 +92,12 @@ mod tests {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
         for _ in 0..2000 {
             let mut below = |n: u16| random.random_range(0..n);
-            let sets: Vec<ObjectSet> = (0..below(12)).map(|_| (0..1 + below(4)).map(|_| ObjectId(below(8))).collect()).collect();
+            let sets: Vec<ObjectSet> =
+                (0..below(12)).map(|_| (0..1 + below(4)).map(|_| ObjectId(below(8))).collect()).collect();
             let Packing { weights, prices } = pack(&sets, 8);
             for element in 0..8 {
-                let borne: f64 = sets.iter().zip(&weights).filter(|(s, _)| s.contains(ObjectId(element))).map(|(_, w)| w).sum();
+                let borne: f64 =
+                    sets.iter().zip(&weights).filter(|(s, _)| s.contains(ObjectId(element))).map(|(_, w)| w).sum();
                 assert!(borne <= 1.0 + 1e-9, "{sets:?}");
             }
             assert!(sets.iter().all(|s| s.iter().map(|o| prices[o.index()]).sum::<f64>() >= 1.0 - 1e-9), "{sets:?}");

@@ -58,7 +58,8 @@ impl Prism {
 impl Rounded {
     /// A rectangle; `along` and `across` lead from its middle to that of a side, a quarter turn to the left of each other.
     pub fn rectangle(middle: Vec2, along: Vec2, across: Vec2) -> Self {
-        let corners = vec![middle - along - across, middle + along - across, middle + along + across, middle - along + across];
+        let corners =
+            vec![middle - along - across, middle + along - across, middle + along + across, middle - along + across];
         Self { corners, radius: 0.0 }
     }
 
@@ -86,15 +87,24 @@ impl Rounded {
             pairs.map(|(p, q)| (p.distance_squared(q), p, q)).min_by(|x, y| x.0.total_cmp(&y.0))
         };
         match (of(self, other), of(other, self)) {
-            (Some((near, p, q)), Some((nearer, r, s))) => if near <= nearer { (p, q) } else { (s, r) },
+            (Some((near, p, q)), Some((nearer, r, s))) => {
+                if near <= nearer {
+                    (p, q)
+                } else {
+                    (s, r)
+                }
+            }
             _ => (self.centre(), other.centre()),
         }
     }
 
     /// Some point in both polygons.
     fn common(&self, other: &Rounded) -> Option<Vec2> {
-        let corner = self.corners.iter().find(|p| other.holds(**p)).or_else(|| other.corners.iter().find(|p| self.holds(**p)));
-        corner.copied().or_else(|| self.sides().flat_map(|s| other.sides().map(move |t| (s, t))).find_map(|(s, t)| crossing(s, t)))
+        let corner =
+            self.corners.iter().find(|p| other.holds(**p)).or_else(|| other.corners.iter().find(|p| self.holds(**p)));
+        corner
+            .copied()
+            .or_else(|| self.sides().flat_map(|s| other.sides().map(move |t| (s, t))).find_map(|(s, t)| crossing(s, t)))
     }
 
     /// Whether `p` is inside the polygon, or on its edge.

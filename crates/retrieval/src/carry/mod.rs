@@ -192,9 +192,11 @@ impl<R: Rng> Carrier<'_, R> {
         let Some(entry) = way.postures.last() else { return obstructed("the way is empty", ObjectSet::EMPTY) };
 
         // Out with it and to a spot, here or elsewhere.
-        let mut carrying = Moment::new(before.standing.difference(ObjectSet::of(object)), grasp.closed, self.settings.margin);
+        let mut carrying =
+            Moment::new(before.standing.difference(ObjectSet::of(object)), grasp.closed, self.settings.margin);
         carrying.placed = world.with_unseen(before.placed(world), object);
-        let Brought { across, placement, stand, base } = match (self.place(object, grasp, entry, &carrying)?, elsewhere) {
+        let Brought { across, placement, stand, base } = match (self.place(object, grasp, entry, &carrying)?, elsewhere)
+        {
             (Ok(placement), _) => {
                 let mut path = way.postures.clone();
                 path.extend(placement.transfer.iter().skip(1).cloned());
@@ -239,8 +241,12 @@ impl<R: Rng> Carrier<'_, R> {
         let Some(entry) = way.postures.last() else { return obstructed("the way is empty", ObjectSet::EMPTY) };
         let mut free = Moment::new(before.standing, world.model.robot.hand.open(), self.settings.margin);
         free.placed = before.placed(world);
-        let mut there =
-            attempt!(self.free_motion(&free, &before.posture, std::slice::from_ref(entry), "the motion to where the hand goes in"));
+        let mut there = attempt!(self.free_motion(
+            &free,
+            &before.posture,
+            std::slice::from_ref(entry),
+            "the motion to where the hand goes in"
+        ));
         there.extend(way.postures.iter().rev().skip(1).cloned());
         let mut approach = free;
         approach.gripping = Some(object);
@@ -257,7 +263,14 @@ impl<R: Rng> Carrier<'_, R> {
 
     /// Lets go of an object that was put down, as `after` has it, and goes back along a path from there; home as
     /// well after the last. `after` is then as it is in the end.
-    fn leave(&mut self, object: ObjectId, grasp: &Grasp, after: &mut Situation, back: Path, last: bool) -> Attempt<Vec<Segment>> {
+    fn leave(
+        &mut self,
+        object: ObjectId,
+        grasp: &Grasp,
+        after: &mut Situation,
+        back: Path,
+        last: bool,
+    ) -> Attempt<Vec<Segment>> {
         let Some(let_go) = back.first().cloned() else { return obstructed("the way back is empty", ObjectSet::EMPTY) };
         let back = attempt!(self.withdraw(object, after, back, last));
         Ok(Ok(self.leaving_segments(&let_go, grasp, back)))
@@ -273,7 +286,12 @@ impl<R: Rng> Carrier<'_, R> {
             let mut home = leaving.clone();
             home.gripping = None;
             home.margin = self.settings.margin;
-            let rest = attempt!(self.free_motion(&home, &end, std::slice::from_ref(&world.model.robot.home), "the motion home"));
+            let rest = attempt!(self.free_motion(
+                &home,
+                &end,
+                std::slice::from_ref(&world.model.robot.home),
+                "the motion home"
+            ));
             back.extend(rest.into_iter().skip(1));
         }
         let back = attempt!(self.timed(&leaving, &back, None, "the retreat"));

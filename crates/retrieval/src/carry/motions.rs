@@ -4,7 +4,8 @@ use super::{Attempt, Carrier, obstructed};
 use clearway_collision::{Lean, Moment, Scratch, Touch};
 use clearway_geometry::{Mat3, Pose, Vec3};
 use clearway_motion::{
-    NearEnds, Path, Posture, RrtSettings, Space, Surely, Timed, connect, distance, roundest, shorten, simplify, smooth, time_curve,
+    NearEnds, Path, Posture, RrtSettings, Space, Surely, Timed, connect, distance, roundest, shorten, simplify, smooth,
+    time_curve,
 };
 use clearway_plan::{ObjectSet, Stop};
 use rand::{Rng, RngExt};
@@ -28,7 +29,13 @@ impl<R: Rng> Carrier<'_, R> {
 
     /// A free motion, shortened. When none is found, a motion that may pass through objects tells
     /// which of them stand in the way.
-    pub(crate) fn free_motion(&mut self, moment: &Moment, start: &Posture, goals: &[Posture], what: &'static str) -> Attempt<Path> {
+    pub(crate) fn free_motion(
+        &mut self,
+        moment: &Moment,
+        start: &Posture,
+        goals: &[Posture],
+        what: &'static str,
+    ) -> Attempt<Path> {
         // Ends may be nearer to things than free motion likes to be; then it has to do with less.
         let mut near = moment.clone();
         let mut space = Space::quick(self.world, moment, self.settings.step).within(self.within);
@@ -75,7 +82,13 @@ impl<R: Rng> Carrier<'_, R> {
 
     /// Smooths and times a path, and checks every row. `resting_within`: near the path's ends, by
     /// this much of the tool's way, what is held may rest on what carries it.
-    pub(crate) fn timed(&mut self, moment: &Moment, path: &Path, resting_within: Option<f64>, what: &'static str) -> Attempt<Timed> {
+    pub(crate) fn timed(
+        &mut self,
+        moment: &Moment,
+        path: &Path,
+        resting_within: Option<f64>,
+        what: &'static str,
+    ) -> Attempt<Timed> {
         let limits = self.limits(1.0);
         let mut lenient = moment.clone();
         lenient.resting = resting_within.is_some();
@@ -95,7 +108,8 @@ impl<R: Rng> Carrier<'_, R> {
                 return obstructed(what, ObjectSet::EMPTY);
             }
             let (from, to) = self.resting_rows(moment, rows, resting_within);
-            if resting.rows_free(&rows[..=from]) && strict.rows_free(&rows[from..=to]) && resting.rows_free(&rows[to..]) {
+            if resting.rows_free(&rows[..=from]) && strict.rows_free(&rows[from..=to]) && resting.rows_free(&rows[to..])
+            {
                 return Ok(Ok(timed));
             }
         }
@@ -124,10 +138,17 @@ impl<R: Rng> Carrier<'_, R> {
     }
 
     /// A free motion with the object in hand: level if one is found soon, otherwise any.
-    pub(crate) fn level_motion(&mut self, moment: &Moment, start: &Posture, goal: &Posture, what: &'static str) -> Attempt<Path> {
+    pub(crate) fn level_motion(
+        &mut self,
+        moment: &Moment,
+        start: &Posture,
+        goal: &Posture,
+        what: &'static str,
+    ) -> Attempt<Path> {
         let world = self.world;
         let up = world.up();
-        let (from, to) = (world.model.kinematics.tool(start, moment.hand), world.model.kinematics.tool(goal, moment.hand));
+        let (from, to) =
+            (world.model.kinematics.tool(start, moment.hand), world.model.kinematics.tool(goal, moment.hand));
         let level = Moment {
             lean: Some(Lean { axis: from.rotation.transpose() * up, upward: up, least: self.settings.lean.cos() }),
             ..moment.clone()
@@ -139,7 +160,8 @@ impl<R: Rng> Carrier<'_, R> {
                 path = Some(vec![start.clone(), goal.clone()]);
             } else {
                 // Postures in between that hold the object upright, for the trees to grow towards.
-                let (low, high) = (from.translation.min(to.translation) - 0.25, from.translation.max(to.translation) + 0.25);
+                let (low, high) =
+                    (from.translation.min(to.translation) - 0.25, from.translation.max(to.translation) + 0.25);
                 let mut guides = Vec::new();
                 for _ in 0..self.settings.guides {
                     self.budget.check()?;
@@ -150,7 +172,13 @@ impl<R: Rng> Carrier<'_, R> {
                     let off = |q: &Posture| distance(q, start) + distance(q, goal);
                     guides.extend(near.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))));
                 }
-                path = self.connect(&mut space, start, std::slice::from_ref(goal), &guides, self.settings.level_iterations)?;
+                path = self.connect(
+                    &mut space,
+                    start,
+                    std::slice::from_ref(goal),
+                    &guides,
+                    self.settings.level_iterations,
+                )?;
             }
         }
         match path {

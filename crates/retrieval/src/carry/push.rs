@@ -54,7 +54,8 @@ impl<R: Rng> Carrier<'_, R> {
             return obstructed("the push: the arm does not reach so far", ObjectSet::EMPTY);
         };
         let from = world.poses[object.index()];
-        let world_from_object = world.world_from_root * Pose::new(from.rotation, from.translation + shove.direction * shove.distance);
+        let world_from_object =
+            world.world_from_root * Pose::new(from.rotation, from.translation + shove.direction * shove.distance);
         let mut after = before.clone();
         after.standing.remove(object);
         after.placed.push((object, world_from_object));
@@ -145,7 +146,9 @@ impl<R: Rng> Carrier<'_, R> {
         let ahead = shove.direction.dot(back) < -0.9;
         let last = from + shove.direction * (shove.free + shove.distance);
         let mut path = vec![end.clone()];
-        let to = |at: Vec3, path: &mut Path| self.inverse.follow(&Pose::new(rotation, at), path, REACH).map(|q| path.push(q));
+        let to = |at: Vec3, path: &mut Path| {
+            self.inverse.follow(&Pose::new(rotation, at), path, REACH).map(|q| path.push(q))
+        };
         let off = if ahead { shove.free + shove.distance } else { self.past_fingers(shove) };
         let steps = (off / OUT).ceil().max(1.0) as usize;
         for i in 1..=steps {
@@ -156,7 +159,10 @@ impl<R: Rng> Carrier<'_, R> {
         if !ahead {
             let aside = (shove.distance / OUT).ceil().max(1.0) as usize;
             for i in 1..=aside {
-                to(from + back * off + shove.direction * (shove.distance * (1.0 - i as f64 / aside as f64)), &mut path)?;
+                to(
+                    from + back * off + shove.direction * (shove.distance * (1.0 - i as f64 / aside as f64)),
+                    &mut path,
+                )?;
             }
         }
         let tool = self.tool_position();
@@ -181,7 +187,13 @@ impl<R: Rng> Carrier<'_, R> {
     }
 
     /// The push itself, timed so that the object stays with the hand when it brakes, and checked.
-    fn pushed(&mut self, shove: &Shove, settings: &Settings, path: &Path, (coming, going): &(Moment, Moment)) -> Attempt<Timed> {
+    fn pushed(
+        &mut self,
+        shove: &Shove,
+        settings: &Settings,
+        path: &Path,
+        (coming, going): &(Moment, Moment),
+    ) -> Attempt<Timed> {
         const WHAT: &str = "the push";
         let world = self.world;
         let tool = self.tool_position();
@@ -242,7 +254,8 @@ impl<R: Rng> Carrier<'_, R> {
 /// By what factor a motion has to be slower to keep to a speed and an acceleration.
 fn excess(timed: &Timed, speed: f64, acceleration: f64, gone: impl Fn(&Posture) -> f64) -> f64 {
     let at: Vec<(f64, f64)> = timed.times.iter().copied().zip(timed.positions.iter().map(gone)).collect();
-    let speeds: Vec<(f64, f64)> = at.windows(2).map(|w| ((w[0].0 + w[1].0) / 2.0, (w[1].1 - w[0].1) / (w[1].0 - w[0].0))).collect();
+    let speeds: Vec<(f64, f64)> =
+        at.windows(2).map(|w| ((w[0].0 + w[1].0) / 2.0, (w[1].1 - w[0].1) / (w[1].0 - w[0].0))).collect();
     let fastest = speeds.iter().map(|s| s.1.abs()).fold(0.0, f64::max);
     let changes = speeds.windows(2).map(|w| ((w[1].1 - w[0].1) / (w[1].0 - w[0].0)).abs());
     (fastest / speed).max((changes.fold(0.0, f64::max) / acceleration).sqrt())

@@ -24,7 +24,13 @@ pub(crate) struct Placement {
 
 impl<R: Rng> Carrier<'_, R> {
     /// Finds a spot that the hand can reach with the object and leave without it.
-    pub(crate) fn place(&mut self, object: ObjectId, grasp: &Grasp, entry: &Posture, carrying: &Moment) -> Attempt<Placement> {
+    pub(crate) fn place(
+        &mut self,
+        object: ObjectId,
+        grasp: &Grasp,
+        entry: &Posture,
+        carrying: &Moment,
+    ) -> Attempt<Placement> {
         let world = self.world;
         let scene_pose = world.world_from_root * world.poses[object.index()];
         let base = world.world_from_root.translation.truncate();
@@ -65,17 +71,27 @@ impl<R: Rng> Carrier<'_, R> {
     }
 
     /// Whether the object can be lowered onto a spot and let go of there.
-    pub(crate) fn put_down(&mut self, held: &Held, grasp: &Grasp, entry: &Posture, carrying: &Moment, pose: Pose) -> Option<Placement> {
+    pub(crate) fn put_down(
+        &mut self,
+        held: &Held,
+        grasp: &Grasp,
+        entry: &Posture,
+        carrying: &Moment,
+        pose: Pose,
+    ) -> Option<Placement> {
         const BACK_STEP: f64 = 0.025;
         let world = self.world;
         let object = held.object;
         let placed = world.placed(object, &pose);
         let overlap = |a: &Obstacle, b: &Obstacle| a.near(b, self.settings.margin);
-        if carrying.placed.iter().any(|(_, o)| overlap(&placed, o)) || carrying.standing.iter().any(|id| overlap(&placed, &world.objects[id.index()])) {
+        if carrying.placed.iter().any(|(_, o)| overlap(&placed, o))
+            || carrying.standing.iter().any(|id| overlap(&placed, &world.objects[id.index()]))
+        {
             return None;
         }
         // It comes down from above, clear of all but what will carry it.
-        let above = world.placed(object, &Pose::new(pose.rotation, pose.translation + world.up() * self.settings.lower_step));
+        let above =
+            world.placed(object, &Pose::new(pose.rotation, pose.translation + world.up() * self.settings.lower_step));
         if world.fixtures.iter().any(|f| overlap(&above, f)) {
             return None;
         }

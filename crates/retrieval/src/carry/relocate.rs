@@ -48,7 +48,8 @@ impl<R: Rng> Carrier<'_, R> {
             held.objects_below = held.objects_below.union(placed.collect());
         }
         let moment = self.finished(Moment { held: Some(held), ..carrying });
-        let across = attempt!(self.timed(&moment, &path, Some(self.settings.lower_from), "the motion with the object in hand"));
+        let across =
+            attempt!(self.timed(&moment, &path, Some(self.settings.lower_from), "the motion with the object in hand"));
 
         let mut after = others;
         after.placed.push((object, world.world_from_root * to));

@@ -25,7 +25,13 @@ impl<R: Rng> Carrier<'_, R> {
     }
 
     /// To the object, the grasp, and away with it: the rows of `there` are the arm's alone.
-    pub(crate) fn taking_segments(&self, object: ObjectId, grasp: &Grasp, there: Timed, across: Vec<Timed>) -> Vec<Segment> {
+    pub(crate) fn taking_segments(
+        &self,
+        object: ObjectId,
+        grasp: &Grasp,
+        there: Timed,
+        across: Vec<Timed>,
+    ) -> Vec<Segment> {
         let robot = &self.world.model.robot;
         let (open, closed) = (robot.hand.open(), grasp.closed);
         let attached = Attached {
@@ -37,7 +43,9 @@ impl<R: Rng> Carrier<'_, R> {
         let mut segments = self.coming_segments(there);
         segments.push(self.grip(SegmentKind::Grasp, &gripped, open, closed));
         let held = self.gripper(GripperValue::Held(closed));
-        segments.extend(across.into_iter().map(|t| segment(SegmentKind::Transfer, t, held.clone(), Some(attached.clone()))));
+        segments.extend(
+            across.into_iter().map(|t| segment(SegmentKind::Transfer, t, held.clone(), Some(attached.clone()))),
+        );
         segments
     }
 
@@ -107,7 +115,12 @@ impl<R: Rng> Carrier<'_, R> {
     }
 }
 
-fn segment(kind: SegmentKind, timed: Timed, gripper: BTreeMap<String, GripperValue>, attached: Option<Attached>) -> Segment {
+fn segment(
+    kind: SegmentKind,
+    timed: Timed,
+    gripper: BTreeMap<String, GripperValue>,
+    attached: Option<Attached>,
+) -> Segment {
     Segment { kind, times: timed.times, positions: timed.positions, gripper, attached }
 }
 

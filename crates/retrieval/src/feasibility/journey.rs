@@ -237,10 +237,16 @@ impl Feasibility {
         for tried in 0..WAYS_TRIED {
             // Those that failed least come first.
             let candidates = self.free_ways_from(stop, object, removed, tried + 1, budget)?;
-            let (Some(&Taking { way: index, .. }), true) = (candidates.first(), candidates.len() > tried) else { break };
+            let (Some(&Taking { way: index, .. }), true) = (candidates.first(), candidates.len() > tried) else {
+                break;
+            };
             let order = self.put_down_at(stop).into_iter().filter(|&s| s != stop).collect();
             let Some(ways) = self.stands[stop].ways[object.index()].take() else { break };
-            let elsewhere = self.base.as_deref().filter(|base| base.settings.drives).map(|base| Elsewhere { base, stands: &self.stands, order });
+            let elsewhere = self.base.as_deref().filter(|base| base.settings.drives).map(|base| Elsewhere {
+                base,
+                stands: &self.stands,
+                order,
+            });
             let mut carrier = carrier!(self, stop, before, journey, budget);
             let way = &ways.ways[index];
             let taken = carrier.take(object, &ways.grasps[way.grasp], way, &before, last, elsewhere.as_ref());

@@ -100,7 +100,8 @@ impl Feasibility {
         pushing: push::Settings,
         mobile: mobile::Settings,
     ) -> Result<Self, Unfit> {
-        let (settings, carrying) = (settings.with_clearance(scene.clearance()), carrying.with_clearance(scene.clearance()));
+        let (settings, carrying) =
+            (settings.with_clearance(scene.clearance()), carrying.with_clearance(scene.clearance()));
         let mut posture = start_posture(&scene, &model.robot)?;
         let (base, placement, world) = match &model.standing {
             None => (None, Placement::default(), World::new(model, &scene)),
@@ -120,7 +121,20 @@ impl Feasibility {
         let floor = floor(&scene, &robot, base.is_some());
         let stands = vec![Stand::new(placement, world)];
         let (scratch, trees) = (Scratch::default(), Trees::default());
-        let new = Self { scene, floor, inverse, settings, carrying, pushing, start: posture, stands, base, scratch, trees, homing: true };
+        let new = Self {
+            scene,
+            floor,
+            inverse,
+            settings,
+            carrying,
+            pushing,
+            start: posture,
+            stands,
+            base,
+            scratch,
+            trees,
+            homing: true,
+        };
         new.start_is_free(&new.start)?;
         let scene = &new.scene;
         if scene.places.is_empty() {
@@ -227,7 +241,13 @@ impl Feasibility {
 
     /// Ways that are free once `removed` is gone, as many as `most`, the best first; from another stand only
     /// if there is none from those before it.
-    pub(crate) fn free_ways(&mut self, object: ObjectId, removed: &ObjectSet, most: usize, budget: &Budget) -> Result<Vec<Taking>, Stop> {
+    pub(crate) fn free_ways(
+        &mut self,
+        object: ObjectId,
+        removed: &ObjectSet,
+        most: usize,
+        budget: &Budget,
+    ) -> Result<Vec<Taking>, Stop> {
         for stand in 0..self.stands.len() {
             let free = self.free_ways_from(stand, object, removed, most, budget)?;
             if !free.is_empty() {
@@ -238,8 +258,17 @@ impl Feasibility {
     }
 
     /// The same from one stand.
-    fn free_ways_from(&mut self, stand: usize, object: ObjectId, removed: &ObjectSet, most: usize, budget: &Budget) -> Result<Vec<Taking>, Stop> {
-        let ways = self.look(stand, object, budget, |explorer, ways, scratch| explorer.free_ways(object, ways, removed, most, scratch, budget))?;
+    fn free_ways_from(
+        &mut self,
+        stand: usize,
+        object: ObjectId,
+        removed: &ObjectSet,
+        most: usize,
+        budget: &Budget,
+    ) -> Result<Vec<Taking>, Stop> {
+        let ways = self.look(stand, object, budget, |explorer, ways, scratch| {
+            explorer.free_ways(object, ways, removed, most, scratch, budget)
+        })?;
         Ok(ways.into_iter().map(|way| Taking { stand, way }).collect())
     }
 
@@ -260,8 +289,16 @@ impl Feasibility {
     }
 
     /// The same from one stand.
-    pub(crate) fn minimal_sets_from(&mut self, stand: usize, object: ObjectId, most: usize, budget: &Budget) -> Result<Vec<ObjectSet>, Stop> {
-        self.look(stand, object, budget, |explorer, ways, scratch| explorer.minimal_sets(object, ways, most, scratch, budget))
+    pub(crate) fn minimal_sets_from(
+        &mut self,
+        stand: usize,
+        object: ObjectId,
+        most: usize,
+        budget: &Budget,
+    ) -> Result<Vec<ObjectSet>, Stop> {
+        self.look(stand, object, budget, |explorer, ways, scratch| {
+            explorer.minimal_sets(object, ways, most, scratch, budget)
+        })
     }
 
     /// Of the ways that more than `most` objects stand in, and that were not looked into for that, how
@@ -348,7 +385,8 @@ impl Feasibility {
             return Ok(false);
         }
         // Those that are not firm as well.
-        let grasps: Vec<Pose> = declared(world, object).into_iter().filter_map(|(_, grasp)| Some(grasp?.object_from_tool)).collect();
+        let grasps: Vec<Pose> =
+            declared(world, object).into_iter().filter_map(|(_, grasp)| Some(grasp?.object_from_tool)).collect();
         // With grasps left, finding no posture proves something only if every posture is found, and from
         // everywhere that the base could be.
         if !grasps.is_empty() && (!self.inverse.complete() || self.base.is_some()) {
@@ -378,7 +416,9 @@ impl Feasibility {
         // A base that drives has branches from everywhere.
         if geometric < removed && self.base.is_none() {
             let prover = Prover { world, inverse, settings, names: &scene.names, barriers: &barriers };
-            if let Some(bound) = prover.bound(scene.target, removed, budget).ok().flatten().filter(|b| b.removed > geometric) {
+            if let Some(bound) =
+                prover.bound(scene.target, removed, budget).ok().flatten().filter(|b| b.removed > geometric)
+            {
                 return LowerBound { removed: bound.removed, kind: "grasps".to_owned(), proof: json!(bound.proof) };
             }
         }

@@ -1,7 +1,7 @@
 //! Whether an object can be pushed aside, out of the way of those that are taken later.
 
-use super::{Feasibility, Stand};
 use super::journey::{Journey, carrier};
+use super::{Feasibility, Stand};
 use crate::carry::push::Shove;
 use crate::carry::{Carried, Carrier, Situation};
 use crate::grasps::Grasp;
@@ -165,7 +165,14 @@ impl Feasibility {
     }
 
     /// For each object to be taken later, some of the ways that are free then.
-    fn later_ways(&mut self, stop: usize, object: ObjectId, removed: &ObjectSet, later: &[ObjectId], budget: &Budget) -> Result<Vec<Vec<Later>>, Stop> {
+    fn later_ways(
+        &mut self,
+        stop: usize,
+        object: ObjectId,
+        removed: &ObjectSet,
+        later: &[ObjectId],
+        budget: &Budget,
+    ) -> Result<Vec<Vec<Later>>, Stop> {
         let mut gone = removed.with(object);
         let mut all = Vec::new();
         for &other in later {
@@ -207,7 +214,14 @@ impl Feasibility {
             let mut free = |way: &Later| !way.arm.iter().any(|at| world.meets(at, &way.moment, there, scratch));
             !later.iter().all(|ways| ways.iter().any(&mut free))
         };
-        let mut reaches = Reaches { world, object, upright, limit: pushing.tipping * tips_at, aside: pushing.margin_of_error, known: Vec::new() };
+        let mut reaches = Reaches {
+            world,
+            object,
+            upright,
+            limit: pushing.tipping * tips_at,
+            aside: pushing.margin_of_error,
+            known: Vec::new(),
+        };
         for side in sides {
             for along in directions(&world.model.robot.hand.kind) {
                 let Some((from, contact)) = reaches.low_enough(side, along) else { continue };
@@ -220,12 +234,23 @@ impl Feasibility {
                 reason = reason.max(NoPush::NoRoom);
                 let farthest = course.clear(direction, pushing.farthest);
                 let steps = ((farthest - pushing.nearest) / pushing.step).floor();
-                let found = (0..).take_while(|i| f64::from(*i) <= steps).map(|i| pushing.nearest + f64::from(i) * pushing.step).find(|d| {
-                    reason = reason.max(NoPush::InTheWay);
-                    let there = world.placed_with_room(object, &course.pose(direction, *d), pushing.margin_of_error);
-                    !in_the_way(&there) && course.carried(direction, *d, upright.radius)
-                });
-                ends.extend(found.map(|distance| End { from, grasp: side.clone(), direction, contact, height, distance }));
+                let found = (0..)
+                    .take_while(|i| f64::from(*i) <= steps)
+                    .map(|i| pushing.nearest + f64::from(i) * pushing.step)
+                    .find(|d| {
+                        reason = reason.max(NoPush::InTheWay);
+                        let there =
+                            world.placed_with_room(object, &course.pose(direction, *d), pushing.margin_of_error);
+                        !in_the_way(&there) && course.carried(direction, *d, upright.radius)
+                    });
+                ends.extend(found.map(|distance| End {
+                    from,
+                    grasp: side.clone(),
+                    direction,
+                    contact,
+                    height,
+                    distance,
+                }));
                 if ends.len() >= pushing.ends {
                     return (ends, reason);
                 }
@@ -303,7 +328,8 @@ impl Reaches<'_> {
         let up = from.rotation.transpose() * self.world.up();
         // It is upright, the tool level: turns about its axis leave where it is for the tool.
         let asked = [tool_from_object.translation, up, along];
-        let known = |(known, _): &&([Vec3; 3], Option<Contact>)| known.iter().zip(&asked).all(|(a, b)| a.abs_diff_eq(*b, 1e-9));
+        let known =
+            |(known, _): &&([Vec3; 3], Option<Contact>)| known.iter().zip(&asked).all(|(a, b)| a.abs_diff_eq(*b, 1e-9));
         if let Some((_, contact)) = self.known.iter().find(known) {
             return *contact;
         }

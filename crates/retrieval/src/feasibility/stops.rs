@@ -12,7 +12,9 @@ impl Feasibility {
     /// Where a mobile base could stand round the target, where stops were chosen.
     pub(crate) fn sides(&self) -> Vec<SideWhy> {
         let chosen = self.base.as_ref().filter(|base| base.chosen);
-        let Some((base, standing)) = chosen.and_then(|base| Some((base, base.model.standing.as_ref()?))) else { return Vec::new() };
+        let Some((base, standing)) = chosen.and_then(|base| Some((base, base.model.standing.as_ref()?))) else {
+            return Vec::new();
+        };
         let served = Served::of(&self.scene, &self.stands[0].world);
         base.sides(&standing.model.robot.home, &served, &standing.reachability)
     }
@@ -36,7 +38,12 @@ impl Feasibility {
 
     /// From which stands the rest of a sequence is best taken, in that order: with the fewest moves of the
     /// base, and then the least driving.
-    pub(super) fn stops_for(&mut self, objects: &[ObjectId], journey: &Journey, budget: &Budget) -> Result<Vec<usize>, Stop> {
+    pub(super) fn stops_for(
+        &mut self,
+        objects: &[ObjectId],
+        journey: &Journey,
+        budget: &Budget,
+    ) -> Result<Vec<usize>, Stop> {
         let kept = journey.carried.len();
         let left = &objects[kept..];
         if self.stands.len() == 1 {
@@ -54,7 +61,15 @@ impl Feasibility {
         }
         let allowed = vec![vec![ObjectSet::EMPTY]; self.scene.objects.len()];
         let gone = objects[..kept].iter().copied().collect();
-        let visits = self.errand(&ways, &allowed, left.iter().copied().collect(), gone, self.situation(journey).stand, left.last().copied(), budget)?;
+        let visits = self.errand(
+            &ways,
+            &allowed,
+            left.iter().copied().collect(),
+            gone,
+            self.situation(journey).stand,
+            left.last().copied(),
+            budget,
+        )?;
         let stop = |object: &ObjectId| visits.iter().flatten().find(|v| v.object == *object).map_or(0, |v| v.stop);
         Ok(left.iter().map(stop).collect())
     }
@@ -73,8 +88,10 @@ impl Feasibility {
     ) -> Result<Option<Vec<Visit>>, Stop> {
         let (Some(base), Some(target)) = (&self.base, target) else { return Ok(None) };
         let seconds = |a: &Stand, b: &Stand| base.seconds(&a.placement, &b.placement);
-        let drives: Vec<Vec<f64>> = self.stands.iter().map(|a| self.stands.iter().map(|b| seconds(a, b)).collect()).collect();
-        let puts: Vec<usize> = (0..self.stands.len()).map(|s| self.put_down_at(s).first().copied().unwrap_or(s)).collect();
+        let drives: Vec<Vec<f64>> =
+            self.stands.iter().map(|a| self.stands.iter().map(|b| seconds(a, b)).collect()).collect();
+        let puts: Vec<usize> =
+            (0..self.stands.len()).map(|s| self.put_down_at(s).first().copied().unwrap_or(s)).collect();
         let weights = base.weights;
         Errand { ways, allowed, drives: &drives, puts: &puts, target, objects, gone, start, weights }.cheapest(budget)
     }
@@ -85,14 +102,20 @@ impl Feasibility {
         let from = &self.stands[stand];
         let mut order: Vec<usize> = (0..self.stands.len()).filter(|&s| self.stands[s].spots > 0.0).collect();
         order.sort_by(|&a, &b| {
-            let seconds = |s: usize| if s == stand { -1.0 } else { base.seconds(&from.placement, &self.stands[s].placement) };
+            let seconds =
+                |s: usize| if s == stand { -1.0 } else { base.seconds(&from.placement, &self.stands[s].placement) };
             seconds(a).total_cmp(&seconds(b))
         });
         order
     }
 
     /// The cheapest order in which the objects of a set, or others known as well, lead to the target.
-    pub(crate) fn itinerary(&mut self, allowed: &WaysIn, set: &ObjectSet, budget: &Budget) -> Result<Option<Vec<ObjectId>>, Stop> {
+    pub(crate) fn itinerary(
+        &mut self,
+        allowed: &WaysIn,
+        set: &ObjectSet,
+        budget: &Budget,
+    ) -> Result<Option<Vec<ObjectId>>, Stop> {
         if self.stands.len() == 1 {
             return Ok(None);
         }

@@ -38,7 +38,15 @@ impl<R: Rng> Carrier<'_, R> {
     }
 
     /// Brings an object that hangs on to a way's end to another stand, and to above a spot there.
-    pub(crate) fn bring(&mut self, elsewhere: &Elsewhere, object: ObjectId, grasp: &Grasp, way: &Way, before: &Situation, carrying: &Moment) -> Attempt<Brought> {
+    pub(crate) fn bring(
+        &mut self,
+        elsewhere: &Elsewhere,
+        object: ObjectId,
+        grasp: &Grasp,
+        way: &Way,
+        before: &Situation,
+        carrying: &Moment,
+    ) -> Attempt<Brought> {
         /// Postures to drive in that are tried, and stands for each.
         const POSTURES: usize = 3;
         const STANDS: usize = 4;
@@ -47,7 +55,10 @@ impl<R: Rng> Carrier<'_, R> {
         held.kernel = Some(world.model.holding(&held.solid()));
         let mut hanging = carrying.clone();
         hanging.held = Some(held.clone());
-        let mut failed = Obstruction { what: "no spot is left on the places that the hand can reach with the object", blamed: ObjectSet::EMPTY };
+        let mut failed = Obstruction {
+            what: "no spot is left on the places that the hand can reach with the object",
+            blamed: ObjectSet::EMPTY,
+        };
         let entry = way.postures.last().cloned().unwrap_or_default();
         for tucked in self.driving_postures(grasp, &hanging, &entry).into_iter().take(POSTURES) {
             self.budget.check()?;
@@ -69,13 +80,14 @@ impl<R: Rng> Carrier<'_, R> {
                         continue;
                     }
                 };
-                let drive = match elsewhere.base.drive(self, before, &there.placement, &tucked, Some((object, grasp)))? {
-                    Ok(drive) => drive,
-                    Err(obstruction) => {
-                        failed = obstruction;
-                        continue;
-                    }
-                };
+                let drive =
+                    match elsewhere.base.drive(self, before, &there.placement, &tucked, Some((object, grasp)))? {
+                        Ok(drive) => drive,
+                        Err(obstruction) => {
+                            failed = obstruction;
+                            continue;
+                        }
+                    };
                 let lifting = self.ready_to_carry(object, &hanging, &held);
                 let mut path = way.postures.clone();
                 path.extend(out.drain(1..));
@@ -130,7 +142,8 @@ impl<R: Rng> Carrier<'_, R> {
                         kinematics.frames(&q, hanging.hand, &mut frames);
                         let flat = |p: Vec3| (p - up * p.dot(up)).length();
                         let links = world.model.links.iter().zip(&frames);
-                        let arm = links.filter_map(|(l, f)| l.as_ref().map(|l| flat(f.point(l.bound.centre)) + l.bound.radius));
+                        let arm = links
+                            .filter_map(|(l, f)| l.as_ref().map(|l| flat(f.point(l.bound.centre)) + l.bound.radius));
                         let carried = flat((frames[kinematics.tool] * grasp.object_from_tool.inverse()).translation);
                         let held = hanging.held.as_ref().map_or(0.0, Held::radius);
                         found.push((arm.fold(carried + held, f64::max) + 0.02 * distance(&q, entry), q));
@@ -154,7 +167,12 @@ impl<R: Rng> Carrier<'_, R> {
         }
         let mut free = Moment::new(before.standing, world.model.robot.hand.open(), self.settings.margin);
         free.placed = before.placed(world);
-        let path = attempt!(self.free_motion(&free, &before.posture, std::slice::from_ref(home), "the motion home, for driving"));
+        let path = attempt!(self.free_motion(
+            &free,
+            &before.posture,
+            std::slice::from_ref(home),
+            "the motion home, for driving"
+        ));
         free.margin = self.settings.final_margin;
         let timed = attempt!(self.timed(&free, &path, None, "the motion home, for driving"));
         Ok(Ok(vec![self.transit(timed)]))

@@ -150,11 +150,26 @@ mod tests {
                 })
                 .collect();
             let allowed: WaysIn = (0..count).map(|o| ways.iter().flat_map(|w| w[o].clone()).collect()).collect();
-            let drives: Vec<Vec<f64>> = (0..stops).map(|_| (0..stops).map(|_| random.random_range(1.0..20.0)).collect()).collect();
+            let drives: Vec<Vec<f64>> =
+                (0..stops).map(|_| (0..stops).map(|_| random.random_range(1.0..20.0)).collect()).collect();
             let puts: Vec<usize> = (0..stops).map(|s| if random.random_range(0..3) == 0 { 0 } else { s }).collect();
-            let weights = if scene % 2 == 0 { Weights::default() } else { Weights { removal: 3.0, base_move: 10.0, second: 0.5 } };
+            let weights = if scene % 2 == 0 {
+                Weights::default()
+            } else {
+                Weights { removal: 3.0, base_move: 10.0, second: 0.5 }
+            };
             let objects = (0..count as u16).map(ObjectId).collect();
-            let errand = Errand { ways: &ways, allowed: &allowed, drives: &drives, puts: &puts, target: ObjectId(0), objects, gone: ObjectSet::EMPTY, start: 0, weights };
+            let errand = Errand {
+                ways: &ways,
+                allowed: &allowed,
+                drives: &drives,
+                puts: &puts,
+                target: ObjectId(0),
+                objects,
+                gone: ObjectSet::EMPTY,
+                start: 0,
+                weights,
+            };
             let least = brute(&errand, ObjectSet::EMPTY, 0);
             let found = errand.cheapest(&Budget::unlimited()).unwrap();
             assert_eq!(found.is_some(), least.is_finite());

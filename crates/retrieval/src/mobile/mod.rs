@@ -83,7 +83,13 @@ pub fn moved([x, y, yaw]: Placement) -> Pose {
 
 impl Base {
     /// The base in a scene, starting there; `robot` is the whole one.
-    pub fn new(scene: &Scene, model: Arc<CollisionModel>, standing: &Standing, start: Placement, settings: Settings) -> Result<Self, Unfit> {
+    pub fn new(
+        scene: &Scene,
+        model: Arc<CollisionModel>,
+        standing: &Standing,
+        start: Placement,
+        settings: Settings,
+    ) -> Result<Self, Unfit> {
         const UPRIGHT: f64 = 1.0 - 1e-6;
         if scene.base.rotation.z_axis.z < UPRIGHT {
             return Err(Unfit::Drives("the robot's base leans, and it drives on the level".to_owned()));
@@ -99,7 +105,18 @@ impl Base {
         let around = as_for_driving(scene, &body);
         let driving = World::new(model.clone(), &around);
         let weights = scene.file.weights;
-        Ok(Self { settings, model, scene: around, driving, body, bounds, start, weights, chosen: false, sides: Sides::default() })
+        Ok(Self {
+            settings,
+            model,
+            scene: around,
+            driving,
+            body,
+            bounds,
+            start,
+            weights,
+            chosen: false,
+            sides: Sides::default(),
+        })
     }
 
     /// Takes over a changed scene.
@@ -141,7 +158,12 @@ impl Base {
                 }
             }
             met.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-            SideWhy { bearing, tried: free + blocked.len(), free, blocked_by: met.into_iter().map(|(name, _)| name).collect() }
+            SideWhy {
+                bearing,
+                tried: free + blocked.len(),
+                free,
+                blocked_by: met.into_iter().map(|(name, _)| name).collect(),
+            }
         };
         self.sides.each().map(of_side).collect()
     }
@@ -248,7 +270,9 @@ impl StandsFree<'_> {
         let postures: Vec<Posture> = placements.iter().map(|p| whole(p, self.arm)).collect();
         self.quick.suspects(&postures, &mut self.suspects);
         let Self { base, moment, suspects, scratch, .. } = self;
-        let free = |(lane, q): (usize, &Posture)| base.driving.touched_among(q, moment, suspects, lane, scratch) == Touch::FREE;
+        let free = |(lane, q): (usize, &Posture)| {
+            base.driving.touched_among(q, moment, suspects, lane, scratch) == Touch::FREE
+        };
         let free: Vec<bool> = postures.iter().enumerate().map(free).collect();
         placements.iter().zip(free).map(|(p, free)| free && base.in_bounds(p)).collect()
     }
@@ -276,7 +300,9 @@ fn body(standing: &CollisionModel) -> Solid {
     standing.kinematics.frames(&standing.robot.home, standing.robot.hand.open(), &mut frames);
     let links = standing.robot.links.iter().zip(&frames).zip(&standing.links);
     let still = links.filter(|(_, body)| body.as_ref().is_some_and(|b| b.still));
-    let parts = still.flat_map(|((link, frame), _)| link.collision.parts.iter().map(|(pose, convex)| (*frame * *pose, convex.clone())));
+    let parts = still.flat_map(|((link, frame), _)| {
+        link.collision.parts.iter().map(|(pose, convex)| (*frame * *pose, convex.clone()))
+    });
     Solid { parts: parts.collect() }
 }
 

@@ -89,7 +89,12 @@ impl Served {
             let step = if is_target { 1 } else { grasps.len().div_ceil(GRASPS).max(1) };
             let weight = if is_target { TARGET } else { 1.0 };
             for grasp in grasps.iter().step_by(step) {
-                errands.push(Errand { aim: Aim::of(&(scene.objects[index].pose * grasp.object_from_tool)), group: groups, weight, is_target });
+                errands.push(Errand {
+                    aim: Aim::of(&(scene.objects[index].pose * grasp.object_from_tool)),
+                    group: groups,
+                    weight,
+                    is_target,
+                });
                 groups += 1;
             }
         }
@@ -101,9 +106,17 @@ impl Served {
         for index in 0..scene.places.len() {
             let spots: Vec<Spot> = place::spots(&scene.places[index..=index], Vec2::ZERO);
             for spot in spots.iter().step_by(spots.len().div_ceil(SPOTS).max(1)) {
-                let Some(pose) = place::standing_at(&target.solid, &target.pose, 0.0, spot, &scene.places[index]) else { continue };
+                let Some(pose) = place::standing_at(&target.solid, &target.pose, 0.0, spot, &scene.places[index])
+                else {
+                    continue;
+                };
                 for grasp in grasps.iter().step_by(step) {
-                    errands.push(Errand { aim: Aim::of(&(pose * grasp.object_from_tool)), group: groups, weight: SPOT, is_target: false });
+                    errands.push(Errand {
+                        aim: Aim::of(&(pose * grasp.object_from_tool)),
+                        group: groups,
+                        weight: SPOT,
+                        is_target: false,
+                    });
                 }
                 groups += 1;
             }
@@ -149,7 +162,13 @@ impl Served {
 }
 
 /// The stops after the start, the most useful first, and what was found on the sides of the target.
-pub fn choose(base: &Base, scene: &Scene, served: &Served, reachability: &Reachability, arm: &[f64]) -> (Vec<Placement>, Sides) {
+pub fn choose(
+    base: &Base,
+    scene: &Scene,
+    served: &Served,
+    reachability: &Reachability,
+    arm: &[f64],
+) -> (Vec<Placement>, Sides) {
     let target = scene.objects[scene.target.index()].pose.translation.truncate();
     let weights = served.weights();
     // By side: placements that serve something, and how much.

@@ -122,9 +122,10 @@ impl Guess<'_> {
     fn is_carried(&self, at: Vec3) -> bool {
         let foot = self.region.low.z;
         let under = at.with_z(foot + 0.01);
-        self.scene.fixtures.iter().any(|f| {
-            ray::meets_solid(&f.solid, &f.pose, under, -Vec3::Z).is_some_and(|t| t < 0.01 + 2.0 * NOISE)
-        })
+        self.scene
+            .fixtures
+            .iter()
+            .any(|f| ray::meets_solid(&f.solid, &f.pose, under, -Vec3::Z).is_some_and(|t| t < 0.01 + 2.0 * NOISE))
     }
 
     /// What has to go for enough of it to be in view; `None`: it is in view already; `Some(None)`: nothing helps.

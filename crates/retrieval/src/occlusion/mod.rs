@@ -118,7 +118,14 @@ struct Rest {
 impl Dialogue {
     /// `scene`: its fixtures, places and camera count, not its objects; of the target the shape. `region`: where
     /// space that is not seen counts.
-    pub fn new(scene: &Scene, view: View, region: Region, model: Arc<CollisionModel>, settings: Settings, rule: Rule) -> Self {
+    pub fn new(
+        scene: &Scene,
+        view: View,
+        region: Region,
+        model: Arc<CollisionModel>,
+        settings: Settings,
+        rule: Rule,
+    ) -> Self {
         let target = &scene.objects[scene.target.index()];
         Self {
             empty: Scene { objects: Vec::new(), names: Vec::new(), hidden: Vec::new(), ..scene.clone() },
@@ -166,7 +173,8 @@ impl Dialogue {
             }
         }
         for id in observation.gone {
-            if let Some(seen) = self.known.iter_mut().find(|s| s.object.id == id && s.whereabouts != Whereabouts::Gone) {
+            if let Some(seen) = self.known.iter_mut().find(|s| s.object.id == id && s.whereabouts != Whereabouts::Gone)
+            {
                 seen.whereabouts = Whereabouts::Gone;
                 notices.push(Notice::Gone(id));
             }
@@ -336,8 +344,14 @@ impl Dialogue {
         }
         for (behind, space) in &self.hidden {
             match behind.as_ref().and_then(|id| scene.object(id)) {
-                Some(behind) => scene.hidden.push(Hidden { behind, space: space.clone(), beyond: space.clone(), glimpsed: true }),
-                None => scene.fixtures.push(Fixture { id: UNSEEN.to_owned(), solid: Arc::new(space.clone()), pose: Pose::IDENTITY }),
+                Some(behind) => {
+                    scene.hidden.push(Hidden { behind, space: space.clone(), beyond: space.clone(), glimpsed: true })
+                }
+                None => scene.fixtures.push(Fixture {
+                    id: UNSEEN.to_owned(),
+                    solid: Arc::new(space.clone()),
+                    pose: Pose::IDENTITY,
+                }),
             }
         }
         scene

@@ -6,9 +6,9 @@ use crate::feasibility::Unfit;
 use crate::planner::{Request, Settings};
 use clearway_collision::CollisionModel;
 use clearway_geometry::{Pose, Vec3};
+use clearway_plan::Stop;
 use clearway_plan::event::Observer;
 use clearway_plan::plan_file::{PlanFile, Status, Timing, Why};
-use clearway_plan::Stop;
 use clearway_scene::{Object, Scene};
 use clearway_sight::{Region, Sight, Standing, Thing, View, blind, look};
 use std::sync::Arc;
@@ -32,7 +32,8 @@ impl SimulatedCamera {
 
     /// Looks, as things stand.
     pub fn look(&mut self) -> Observation {
-        let fixtures: Vec<Standing> = self.scene.fixtures.iter().map(|f| Standing { solid: &f.solid, pose: &f.pose }).collect();
+        let fixtures: Vec<Standing> =
+            self.scene.fixtures.iter().map(|f| Standing { solid: &f.solid, pose: &f.pose }).collect();
         let things: Vec<Thing> = (self.scene.objects.iter().zip(&self.poses).zip(&self.known))
             .map(|((o, pose), known)| Thing { standing: Standing { solid: &o.solid, pose }, known: *known })
             .collect();
@@ -66,7 +67,9 @@ pub fn play(
 ) -> Result<(PlanFile, Option<Stop>), Unfit> {
     let Some(camera) = &scene.file.camera else { return Err(Unfit::Camera("the scene has no camera".to_owned())) };
     if model.standing.is_some() {
-        return Err(Unfit::Drives("its base drives, and the scene has a camera: hidden objects are planned for from one place".to_owned()));
+        return Err(Unfit::Drives(
+            "its base drives, and the scene has a camera: hidden objects are planned for from one place".to_owned(),
+        ));
     }
     let view = View::new(camera);
     if let Some(why) = blind(&scene, &view) {
@@ -83,7 +86,8 @@ pub fn play(
             Turn::Act(action) => {
                 dialogue.done(&action);
                 let placed = &action.step.placed;
-                camera.moved(&action.object, Pose::from_quaternion(placed.quaternion, Vec3::from_array(placed.position)));
+                camera
+                    .moved(&action.object, Pose::from_quaternion(placed.quaternion, Vec3::from_array(placed.position)));
                 let known = &action.known;
                 let PlanFile { robot, timing: own, stats, why, .. } = action.plan;
                 whole.robot = robot;
@@ -116,7 +120,11 @@ pub fn play(
                 }
             }
             Turn::End(end, stopped) => {
-                let why = Why { summary: end.why.summary, objects: whole.why.objects.into_iter().chain(end.why.objects).collect(), sides: Vec::new() };
+                let why = Why {
+                    summary: end.why.summary,
+                    objects: whole.why.objects.into_iter().chain(end.why.objects).collect(),
+                    sides: Vec::new(),
+                };
                 return Ok((PlanFile { status: end.status, why, ..whole }, stopped));
             }
         }

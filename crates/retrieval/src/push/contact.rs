@@ -31,7 +31,14 @@ type Part<'a> = (Pose, &'a Convex);
 impl Contact {
     /// `None` where the hand does not meet the object, or where the object, off to one side by `aside`, would
     /// not be held back as soon: pushed by an edge it turns away.
-    pub fn of(world: &World, solid: &Solid, tool_from_object: &Pose, direction: Vec3, up: Vec3, aside: f64) -> Option<Self> {
+    pub fn of(
+        world: &World,
+        solid: &Solid,
+        tool_from_object: &Pose,
+        direction: Vec3,
+        up: Vec3,
+        aside: f64,
+    ) -> Option<Self> {
         let open = world.model.robot.hand.open();
         let parts: Vec<Part> = hand(world, open).collect();
         let gap = |part: &Part, moved: Vec3, most: f64| {
@@ -39,7 +46,11 @@ impl Contact {
             solid.parts.iter().fold(most, |nearest, (p, convex)| {
                 let there = *tool_from_object * *p;
                 // Exact distances take longer.
-                if closer_than(part.1, &pose, convex, &there, nearest) { nearest.min(distance(part.1, &pose, convex, &there)) } else { nearest }
+                if closer_than(part.1, &pose, convex, &there, nearest) {
+                    nearest.min(distance(part.1, &pose, convex, &there))
+                } else {
+                    nearest
+                }
             })
         };
         // It can be met no nearer than the gap: the sum of gaps leads there.

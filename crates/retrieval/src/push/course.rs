@@ -40,7 +40,13 @@ impl Course<'_> {
     pub fn clear(&self, direction: Vec3, farthest: f64) -> f64 {
         let Self { world, object, room, .. } = *self;
         let raise = world.up() * RAISED;
-        let others = || self.standing.iter().map(|id| &world.objects[id.index()]).chain(&world.fixtures).chain(self.placed.iter().map(|(_, o)| &**o));
+        let others = || {
+            self.standing
+                .iter()
+                .map(|id| &world.objects[id.index()])
+                .chain(&world.fixtures)
+                .chain(self.placed.iter().map(|(_, o)| &**o))
+        };
         let (mut clear, mut next) = (0.0, 0.0);
         while next <= farthest + 1e-9 {
             let at = self.pose(direction, next);
@@ -66,7 +72,9 @@ impl Course<'_> {
         stops.into_iter().all(|d| {
             let at = self.pose(direction, d);
             world.below(object, &at).0 == *fixtures
-                && scene.foothold(object, &(world.world_from_root * at), ahead).is_some_and(|reach| reach >= CARRIED * radius)
+                && scene
+                    .foothold(object, &(world.world_from_root * at), ahead)
+                    .is_some_and(|reach| reach >= CARRIED * radius)
         })
     }
 }

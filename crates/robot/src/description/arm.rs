@@ -96,8 +96,12 @@ fn planar_base(context: &Context, names: &[String; 3], arm_base: usize) -> Resul
             return Err(context
                 .file
                 .error(&keys, found)
-                .expected("joints along x, along y and about z, each on the one before, the first on the root, at its origin")
-                .help("delete them from the URDF to have them added, or move the offset to a fixed joint above the yaw"));
+                .expected(
+                    "joints along x, along y and about z, each on the one before, the first on the root, at its origin",
+                )
+                .help(
+                    "delete them from the URDF to have them added, or move the offset to a fixed joint above the yaw",
+                ));
         }
         parent = *child;
     }

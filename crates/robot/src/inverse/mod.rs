@@ -59,13 +59,25 @@ impl InverseKinematics {
         } else {
             Method::Numeric(numeric::seeds(robot))
         };
-        Self { chain: Chain::of(kinematics), lower: robot.lower.clone(), upper: robot.upper.clone(), method, slivers: true }
+        Self {
+            chain: Chain::of(kinematics),
+            lower: robot.lower.clone(),
+            upper: robot.upper.clone(),
+            method,
+            slivers: true,
+        }
     }
 
     /// By descent from seeds, even where a closed form is known: to measure the one beside the other.
     pub fn numeric(robot: &crate::Robot, kinematics: &Kinematics) -> Self {
         let method = Method::Numeric(numeric::seeds(robot));
-        Self { chain: Chain::of(kinematics), lower: robot.lower.clone(), upper: robot.upper.clone(), method, slivers: true }
+        Self {
+            chain: Chain::of(kinematics),
+            lower: robot.lower.clone(),
+            upper: robot.upper.clone(),
+            method,
+            slivers: true,
+        }
     }
 
     /// In words, for reports.

@@ -177,7 +177,10 @@ impl SphericalShoulder {
         if squared < 1e-18 {
             return;
         }
-        let Some(fourths) = self.fourth.to((squared - to_elbow.length_squared() - to_wrist.length_squared()) / 2.0) else { return };
+        let Some(fourths) = self.fourth.to((squared - to_elbow.length_squared() - to_wrist.length_squared()) / 2.0)
+        else {
+            return;
+        };
         let distance = squared.sqrt();
         let line = reach / distance;
         let axis6 = wanted.turned * swept.axis6;
@@ -220,7 +223,8 @@ impl SphericalShoulder {
                     }
                     let third = Turn::onto(h3, self.across[0], second.back(first.back(across3)));
                     if self.ranges[2].holds(&third) {
-                        let [q1, q2, q3, q4, q5, q6] = [first, second, third, fourth, fifth, sixth].map(|turn| turn.angle());
+                        let [q1, q2, q3, q4, q5, q6] =
+                            [first, second, third, fourth, fifth, sixth].map(|turn| turn.angle());
                         each([q1, q2, q3, q4, q5, q6, swept.value]);
                     }
                 }

@@ -17,7 +17,11 @@ impl Turn {
         let (sine, cosine) = (axis.dot(p.cross(q)), p.dot(q) - axis.dot(p) * axis.dot(q));
         let size = (sine * sine + cosine * cosine).sqrt();
         // Anything is as good where both are along the axis.
-        if size > 0.0 { Self { axis, sine: sine / size, cosine: cosine / size } } else { Self { axis, sine: 0.0, cosine: 1.0 } }
+        if size > 0.0 {
+            Self { axis, sine: sine / size, cosine: cosine / size }
+        } else {
+            Self { axis, sine: 0.0, cosine: 1.0 }
+        }
     }
 
     /// Radians in (−π, π].
@@ -96,7 +100,11 @@ impl TurnToHeight {
         let cosine = (wanted / self.size).clamp(-1.0, 1.0);
         let sine = (1.0 - cosine * cosine).sqrt();
         let (s, c) = (self.sine_of_middle, self.cosine_of_middle);
-        Some([sine, -sine].map(|sine| Turn { axis: self.axis, sine: s * cosine + c * sine, cosine: c * cosine - s * sine }))
+        Some([sine, -sine].map(|sine| Turn {
+            axis: self.axis,
+            sine: s * cosine + c * sine,
+            cosine: c * cosine - s * sine,
+        }))
     }
 }
 

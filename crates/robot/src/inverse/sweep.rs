@@ -42,7 +42,9 @@ impl Sweep {
         let swept = closed.swept();
         let (lower, upper) = (limits.lower[swept], limits.upper[swept]);
         let (low, high) = if upper - lower > TAU { (-PI, PI) } else { (lower, upper) };
-        let spread = |count: usize| (0..count).map(|i| closed.at(low + (high - low) * (i as f64 + 0.5) / count as f64)).collect();
+        let spread = |count: usize| {
+            (0..count).map(|i| closed.at(low + (high - low) * (i as f64 + 0.5) / count as f64)).collect()
+        };
         let (coarse, fine) = (spread(VALUES), spread(VALUES * FINER));
         Self { closed, low, high, coarse, fine }
     }
@@ -59,7 +61,9 @@ impl Sweep {
         let closed = &self.closed;
         let wanted = closed.wanted(root_from_tool);
         let middle = (self.low + self.high) / 2.0;
-        let inside = |value: f64| (self.low..=self.high).contains(&value) && (!asked.half_turn || (value - middle).abs() <= PI / 2.0);
+        let inside = |value: f64| {
+            (self.low..=self.high).contains(&value) && (!asked.half_turn || (value - middle).abs() <= PI / 2.0)
+        };
         let mut found = Vec::new();
         let mut at = |swept: &Swept| {
             if inside(swept.value) {

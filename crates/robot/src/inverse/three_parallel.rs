@@ -39,7 +39,10 @@ impl ThreeParallel {
         }
         let direction = |i: usize| axes[i].direction;
         let parallel = |a: Vec3, b: Vec3| a.cross(b).length() < 1e-6;
-        if !parallel(direction(1), direction(2)) || !parallel(direction(1), direction(3)) || parallel(direction(0), direction(1)) {
+        if !parallel(direction(1), direction(2))
+            || !parallel(direction(1), direction(3))
+            || parallel(direction(0), direction(1))
+        {
             return None;
         }
         let meeting = meeting_point(axes[4].origin, direction(4), axes[5].origin, direction(5), 1e-6)?;

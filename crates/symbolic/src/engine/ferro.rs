@@ -69,7 +69,14 @@ impl Ferroplan {
         }
         let wall_ms = budget.remaining().map(|left| left.as_millis() as u64 + 1);
         let should_continue = Some(go_on.clone());
-        let options = Options { mode: Mode::Ff, threads: 1, max_evaluated: Some(states), wall_ms, should_continue, ..Options::default() };
+        let options = Options {
+            mode: Mode::Ff,
+            threads: 1,
+            max_evaluated: Some(states),
+            wall_ms,
+            should_continue,
+            ..Options::default()
+        };
         let solution = match ferroplan::solve(&text.domain, &text.problem, &options) {
             Ok(solution) => solution,
             Err(error) => return Answer::GaveUp(format!("{error:?}")),
@@ -94,7 +101,9 @@ fn fewest(text: &Text, nodes: usize) -> Result<Answer, String> {
     };
     let found = optimal::solve(&task, None, nodes, None);
     Ok(match (found.ops, found.proven) {
-        (Some(ops), true) => named(ops.iter().map(|op| task.op_display[*op].as_str()).filter(|name| *name != GOAL_REACHED)),
+        (Some(ops), true) => {
+            named(ops.iter().map(|op| task.op_display[*op].as_str()).filter(|name| *name != GOAL_REACHED))
+        }
         (None, true) => Answer::Unsolvable,
         _ => Answer::GaveUp(String::new()),
     })

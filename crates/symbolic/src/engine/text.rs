@@ -10,7 +10,8 @@ pub(super) struct Text {
 
 impl Text {
     pub fn of(task: &Task) -> Self {
-        let mut domain = String::from("(define (domain task) (:requirements :strips :negative-preconditions)\n(:predicates");
+        let mut domain =
+            String::from("(define (domain task) (:requirements :strips :negative-preconditions)\n(:predicates");
         for atom in 0..task.atoms.len() {
             let _ = write!(domain, " (f{atom})");
         }

@@ -205,6 +205,9 @@ mod tests {
         assert!(arm.postures(&far, &[0.0; 6]).is_empty());
         let swapped = [columns[0], columns[1], columns[2], columns[3], columns[5], columns[4]];
         let other = Arm::new(&case, &swapped, tool, vec![0.0; case.model.joints.len()]);
-        assert!(other.is_none_or(|arm| arm.postures(&arm.tool(&[0.3; 6]), &[0.3; 6]).is_empty()), "columns out of order");
+        assert!(
+            other.is_none_or(|arm| arm.postures(&arm.tool(&[0.3; 6]), &[0.3; 6]).is_empty()),
+            "columns out of order"
+        );
     }
 }

@@ -106,7 +106,9 @@ mod tests {
     /// For every claim that is not too high the claim itself is the answer.
     fn found(ways: &[Option<Vec<BTreeSet<usize>>>], barriers: &[&[usize]]) -> usize {
         let barriers = sets(barriers).unwrap_or_default();
-        let of = |claimed: usize| fewest(ways, &barriers, 0, claimed, &Budget::unlimited()).expect("no limit").expect("few sets");
+        let of = |claimed: usize| {
+            fewest(ways, &barriers, 0, claimed, &Budget::unlimited()).expect("no limit").expect("few sets")
+        };
         let found = of(8);
         assert!((1..=8).all(|claimed| of(claimed) == claimed.min(found)));
         found
@@ -146,12 +148,19 @@ mod tests {
         };
         for _ in 0..500 {
             let mut some = |most: usize| -> BTreeSet<usize> { (0..below(most + 1)).map(|_| 1 + below(5)).collect() };
-            let ways: Vec<Option<Vec<BTreeSet<usize>>>> = (0..6).map(|_| Some((0..2).map(|_| some(3)).collect())).collect();
+            let ways: Vec<Option<Vec<BTreeSet<usize>>>> =
+                (0..6).map(|_| Some((0..2).map(|_| some(3)).collect())).collect();
             let barriers: Vec<BTreeSet<usize>> = (0..2).map(|_| some(3)).filter(|b| !b.is_empty()).collect();
-            let all = (0..32u32).map(|bits| (0..6).filter(|i| *i == 0 || bits >> (i - 1) & 1 == 1).collect::<BTreeSet<usize>>());
-            let answers = all.filter(|set| stuck(&ways, set).is_empty() && barriers.iter().all(|b| !b.is_disjoint(set)));
+            let all = (0..32u32)
+                .map(|bits| (0..6).filter(|i| *i == 0 || bits >> (i - 1) & 1 == 1).collect::<BTreeSet<usize>>());
+            let answers =
+                all.filter(|set| stuck(&ways, set).is_empty() && barriers.iter().all(|b| !b.is_disjoint(set)));
             let least = answers.map(|set| set.len()).min().unwrap_or(9);
-            assert_eq!(fewest(&ways, &barriers, 0, 9, &Budget::unlimited()).expect("no limit"), Some(least), "{ways:?} {barriers:?}");
+            assert_eq!(
+                fewest(&ways, &barriers, 0, 9, &Budget::unlimited()).expect("no limit"),
+                Some(least),
+                "{ways:?} {barriers:?}"
+            );
         }
     }
 }

@@ -9,17 +9,17 @@ mod branches;
 mod declared;
 mod fewest;
 
-use crate::case::Case;
 use crate::barriers;
+use crate::case::Case;
 use crate::error::CannotJudge;
 use crate::lower_bound::Verdict;
 use crate::names::Names;
 use crate::shapes::{Piece, body_gap};
 use branches::{Arm, turn_between};
-use fewest::fewest;
 use clearway_plan::plan_file::LowerBound;
 use clearway_plan::proof::{Branch, GraspCase, GraspsProof, ObjectCase};
 use clearway_plan::{Budget, PlanFile};
+use fewest::fewest;
 use parry3d_f64::math::{Pose, Vector};
 use std::collections::BTreeSet;
 
@@ -74,7 +74,8 @@ impl<'a> Judge<'a> {
             return Err(unknown("the file does not say which grasps are declared (robot.grasps)"));
         };
         let hand = &plan.robot.hand;
-        let values: Option<Vec<(f64, f64)>> = hand.opening.iter().map(|(v, gap)| Some((v.parse().ok()?, *gap))).collect();
+        let values: Option<Vec<(f64, f64)>> =
+            hand.opening.iter().map(|(v, gap)| Some((v.parse().ok()?, *gap))).collect();
         let (Some(joint), Some(values)) = (hand.joint.as_ref().and_then(|j| case.model.joint(j)), values) else {
             return Err(unknown("only for parallel hands is it known how to judge it"));
         };
@@ -108,7 +109,10 @@ impl Judge<'_> {
         let mut ways: Vec<Option<Vec<BTreeSet<usize>>>> = vec![None; self.case.objects.len()];
         for listed in &self.proof.objects {
             let Some(object) = self.case.object(&listed.object) else {
-                return Ok(Verdict::False(format!("the lower bound's proof names {:?}, which is no object", listed.object)));
+                return Ok(Verdict::False(format!(
+                    "the lower bound's proof names {:?}, which is no object",
+                    listed.object
+                )));
             };
             match self.object(object, listed, budget)? {
                 Ok(sets) => ways[object] = Some(sets),
@@ -134,9 +138,15 @@ impl Judge<'_> {
     }
 
     /// The sets that the listed branches of an object leave, or what is wrong with the list.
-    fn object(&self, object: usize, listed: &ObjectCase, budget: &Budget) -> Result<Result<Vec<BTreeSet<usize>>, String>, CannotJudge> {
+    fn object(
+        &self,
+        object: usize,
+        listed: &ObjectCase,
+        budget: &Budget,
+    ) -> Result<Result<Vec<BTreeSet<usize>>, String>, CannotJudge> {
         let thing = &self.case.objects[object];
-        let declared = self.plan.robot.grasps.as_ref().and_then(|g| declared::declared(g, &thing.pieces, &thing.pose, self.flips));
+        let declared =
+            self.plan.robot.grasps.as_ref().and_then(|g| declared::declared(g, &thing.pieces, &thing.pose, self.flips));
         let Some(declared) = declared else { return Ok(Err("the declared grasps are no poses".to_owned())) };
         if declared.len() != listed.grasps.len() {
             return Ok(Err(format!("{} grasps are listed, {} declared", listed.grasps.len(), declared.len())));
@@ -152,16 +162,27 @@ impl Judge<'_> {
         Ok(Ok(sets))
     }
 
-    fn grasp(&self, object: usize, object_from_tool: &Pose, listed: &GraspCase) -> Result<Vec<BTreeSet<usize>>, String> {
+    fn grasp(
+        &self,
+        object: usize,
+        object_from_tool: &Pose,
+        listed: &GraspCase,
+    ) -> Result<Vec<BTreeSet<usize>>, String> {
         let thing = &self.case.objects[object];
         let [x, y, z, w] = listed.quaternion;
         let told = crate::shapes::pose_from(listed.position, None, Some([x, y, z, w])).ok_or("its pose is none")?;
-        if (told.translation - object_from_tool.translation).length() > SAME || turn_between(&told, object_from_tool) > SAME {
+        if (told.translation - object_from_tool.translation).length() > SAME
+            || turn_between(&told, object_from_tool) > SAME
+        {
             return Err("it is not the declared one".to_owned());
         }
         let world_from_tool = thing.pose * *object_from_tool;
         if !listed.holds {
-            return if self.may_hold(object, &world_from_tool) { Err("the hand may hold the object there".to_owned()) } else { Ok(Vec::new()) };
+            return if self.may_hold(object, &world_from_tool) {
+                Err("the hand may hold the object there".to_owned())
+            } else {
+                Ok(Vec::new())
+            };
         }
         let home = vec![0.0; self.names.columns.len()];
         for posture in self.arm.postures(&world_from_tool, &home) {
@@ -185,7 +206,12 @@ impl Judge<'_> {
     }
 
     /// The set of a branch; `None` when it is rightly said to be no way at all.
-    fn branch(&self, object: usize, object_from_tool: &Pose, branch: &Branch) -> Result<Option<BTreeSet<usize>>, String> {
+    fn branch(
+        &self,
+        object: usize,
+        object_from_tool: &Pose,
+        branch: &Branch,
+    ) -> Result<Option<BTreeSet<usize>>, String> {
         let thing = &self.case.objects[object];
         let grasp = thing.pose * *object_from_tool;
         let at = self.arm.tool(&branch.posture);
@@ -197,7 +223,8 @@ impl Judge<'_> {
         let mut blocked: BTreeSet<usize> = BTreeSet::new();
         let mut missing: BTreeSet<usize> = BTreeSet::new();
         for name in branch.blocked_by.iter().flatten() {
-            missing.insert(self.case.object(name).filter(|o| *o != object).ok_or(format!("{name:?} is no other object"))?);
+            missing
+                .insert(self.case.object(name).filter(|o| *o != object).ok_or(format!("{name:?} is no other object"))?);
         }
         let mut on_line = false;
         loop {
@@ -247,7 +274,8 @@ impl Judge<'_> {
             let tool = self.arm.tool(&zero).inverse();
             let gap = |(link, pose): (usize, &Pose)| {
                 let placed = *world_from_tool * tool * *pose;
-                body_gap(&self.case.model.links[link].pieces, &placed, &thing.pieces, &thing.pose, 0.01).map(|g| g.distance)
+                body_gap(&self.case.model.links[link].pieces, &placed, &thing.pieces, &thing.pose, 0.01)
+                    .map(|g| g.distance)
             };
             let hand = poses.iter().enumerate().filter(|(link, _)| self.names.in_hand[*link]);
             hand.filter_map(gap).fold(f64::INFINITY, f64::min)
@@ -263,9 +291,13 @@ impl Judge<'_> {
     fn near_object(&self, links: &[Pose], held: &Pose, object: usize, other: usize) -> bool {
         let (thing, other) = (&self.case.objects[object], &self.case.objects[other]);
         self.near(&thing.pieces, held, &other.pieces, &other.pose, self.proof.held_clearance)
-            || self.case.model.links.iter().zip(links).any(|(link, at)| {
-                self.near(&link.pieces, at, &other.pieces, &other.pose, self.proof.clearance)
-            })
+            || self
+                .case
+                .model
+                .links
+                .iter()
+                .zip(links)
+                .any(|(link, at)| self.near(&link.pieces, at, &other.pieces, &other.pose, self.proof.clearance))
     }
 
     /// Whether the robot or what it holds is too near to a fixture or to the robot itself.
@@ -281,7 +313,13 @@ impl Judge<'_> {
         let pair = |a: usize| {
             (a + 1..links.len()).any(|b| {
                 !self.names.unchecked.contains(&(a, b))
-                    && self.near(&model.links[a].pieces, &links[a], &model.links[b].pieces, &links[b], SELF_CLEARANCE + EXACT)
+                    && self.near(
+                        &model.links[a].pieces,
+                        &links[a],
+                        &model.links[b].pieces,
+                        &links[b],
+                        SELF_CLEARANCE + EXACT,
+                    )
             })
         };
         let met = |l: usize| {

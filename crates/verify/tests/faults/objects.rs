@@ -19,7 +19,11 @@ pub const FAULTS: fn() -> Vec<Fault> = || {
         Fault { name: "object turns in the hand", expected: &[Kind::Teleport], plant: turns_in_hand },
         Fault { name: "attached far from the hand", expected: &[Kind::Grip], plant: far_from_hand },
         Fault { name: "let go in mid-air", expected: &[Kind::LetGo], plant: mid_air },
-        Fault { name: "put down elsewhere than placed", expected: &[Kind::PutDown, Kind::LetGo, Kind::Push], plant: elsewhere },
+        Fault {
+            name: "put down elsewhere than placed",
+            expected: &[Kind::PutDown, Kind::LetGo, Kind::Push],
+            plant: elsewhere,
+        },
         Fault { name: "placed tilted", expected: &[Kind::Tilted], plant: tilted },
         Fault { name: "placed off the tray", expected: &[Kind::OffPlace], plant: off_place },
         Fault { name: "placed above the tray", expected: &[Kind::Unsupported], plant: above_place },
