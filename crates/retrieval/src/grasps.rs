@@ -2,8 +2,8 @@
 //!
 //! `side`: the hand comes level from evenly spread directions and square to the level sides of boxes, at
 //! fractions of the object's height. `list`: poses from the robot file. A parallel hand is closed until its
-//! fingers touch; a suction cup is set on the surface. Where an object can be held so that it does not turn or
-//! slip in the hand, it is held in no other way: a box by its sides, not by its corners.
+//! fingers touch; a suction cup is set on the surface. As long as there may be a plan that way, objects are held
+//! so that they do not turn or slip in the hand: a box by its sides, not by its corners.
 
 use clearway_collision::World;
 use clearway_geometry::distance::closer_than;
@@ -18,6 +18,8 @@ pub struct Grasp {
     pub object_from_tool: Pose,
     /// The hand's joint value when it holds; 0 for a cup.
     pub closed: f64,
+    /// The object does not turn or slip in the hand.
+    pub firm: bool,
 }
 
 /// How far in front of the object's front the tool stays when the object is too deep to be held
@@ -75,30 +77,28 @@ pub fn declared(world: &World, object: ObjectId) -> Vec<(Pose, Option<Grasp>)> {
         let flipped: Vec<Pose> = poses.iter().map(|p| *p * flip).collect();
         poses.extend(flipped);
     }
-    let mut fingers = Fingers::new(world, solid);
+    let mut hold = Hold::new(world, solid);
     let mut grasp = |object_from_tool: Pose| {
         let closed = match robot.hand.kind {
-            HandKind::Suction { .. } => Some(0.0),
-            HandKind::Parallel => fingers.close(&object_from_tool),
+            HandKind::Suction { .. } => 0.0,
+            HandKind::Parallel => hold.fingers.close(&object_from_tool)?,
         };
-        (object_from_tool, closed.map(|closed| Grasp { object_from_tool, closed }))
+        Some(Grasp { object_from_tool, closed, firm: hold.is_firm(&object_from_tool, closed) })
     };
-    poses.into_iter().map(&mut grasp).collect()
+    poses.into_iter().map(|pose| (pose, grasp(pose))).collect()
 }
 
-/// Of the declared grasps those that hold an object firmly, or, where none does, those that hold it; and what became
-/// of the others.
-pub fn preset_grasps(world: &World, object: ObjectId) -> Presets {
+/// Of the declared grasps those that hold an object firmly, or, where none does or `loosely` is enough, all that hold
+/// it; and what became of the others.
+pub fn preset_grasps(world: &World, object: ObjectId, loosely: bool) -> Presets {
     let declared = declared(world, object);
     let count = declared.len();
-    let holding: Vec<Grasp> = declared.into_iter().filter_map(|(_, grasp)| grasp).collect();
-    let too_wide = count - holding.len();
-    let mut hold = Hold::new(world, &world.solids[object.index()]);
-    let firm: Vec<Grasp> = holding.iter().filter(|grasp| hold.is_firm(grasp)).cloned().collect();
-    if firm.is_empty() {
-        return Presets { grasps: holding, too_wide, askew: 0 };
+    let mut grasps: Vec<Grasp> = declared.into_iter().filter_map(|(_, grasp)| grasp).collect();
+    let holding = grasps.len();
+    if !loosely && grasps.iter().any(|grasp| grasp.firm) {
+        grasps.retain(|grasp| grasp.firm);
     }
-    Presets { askew: holding.len() - firm.len(), grasps: firm, too_wide }
+    Presets { too_wide: count - holding, askew: holding - grasps.len(), grasps }
 }
 
 /// The grasps to take an object by.
@@ -285,20 +285,19 @@ impl<'a> Hold<'a> {
         Self { world, fingers: Fingers::new(world, solid), known: Vec::new() }
     }
 
-    fn is_firm(&mut self, grasp: &Grasp) -> bool {
+    fn is_firm(&mut self, object_from_tool: &Pose, closed: f64) -> bool {
         // Whoever lists grasps has thought about them.
         if self.world.model.robot.grasps.kind == GraspKind::List || !self.world.model.robot.grasps.list.is_empty() {
             return true;
         }
         match self.world.model.robot.hand.kind {
-            HandKind::Suction { .. } => self.is_square(&grasp.object_from_tool),
+            HandKind::Suction { .. } => self.is_square(object_from_tool),
             HandKind::Parallel => {
-                let asked =
-                    if self.fingers.round { turned_to_x(&grasp.object_from_tool) } else { grasp.object_from_tool };
+                let asked = if self.fingers.round { turned_to_x(object_from_tool) } else { *object_from_tool };
                 if let Some((_, firm)) = self.known.iter().find(|(pose, _)| same(pose, &asked)) {
                     return *firm;
                 }
-                let firm = self.stays(&asked.inverse(), grasp.closed);
+                let firm = self.stays(&asked.inverse(), closed);
                 self.known.push((asked, firm));
                 firm
             }

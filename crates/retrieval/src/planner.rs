@@ -298,8 +298,11 @@ impl Planner {
             if run.most_removals.is_some() {
                 return Err(Stop::Iterations);
             }
-            // Everything known has failed at the widest limit. From the beginning, then: other
-            // motions may be found.
+            // Everything known has failed at the widest limit. From the beginning, then: with looser holds, where any
+            // were left out, and as other motions may be found.
+            if self.arm.hold_loosely() {
+                self.begin_anew();
+            }
             self.graph.forget();
             direct = Direct::new(count, target, None);
             limit = 1;

@@ -89,7 +89,14 @@ fn why_handled(arm: &Feasibility, removed: &[String], carried: &[Carried], has_g
     };
     let objects = removed.iter().enumerate().map(|(i, name)| {
         let (reason, blocked) = reason(name);
-        ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..ObjectWhy::default() }
+        let loosely = carried.iter().any(|c| c.step.object == *name && c.loosely);
+        ObjectWhy {
+            object: name.clone(),
+            order: i + 1,
+            reason: and_how_held(reason, loosely),
+            blocked,
+            ..ObjectWhy::default()
+        }
     });
     let what = if has_goal {
         "The goal is reached".to_owned()
@@ -104,6 +111,11 @@ fn why_handled(arm: &Feasibility, removed: &[String], carried: &[Carried], has_g
         }
     };
     Why { summary, objects: objects.collect(), sides: Vec::new() }
+}
+
+/// A reason, and that the object may move in the hand, if so.
+fn and_how_held(reason: String, loosely: bool) -> String {
+    if loosely { reason + "; not held firmly: it may turn or slip in the hand" } else { reason }
 }
 
 /// Those of some objects that an object stands on.
@@ -262,6 +274,7 @@ fn why_solved(arm: &Feasibility, removed: &[ObjectId], carried: &[Carried]) -> W
             } else {
                 in_the_way(arm, object, &blocked)
             };
+            let reason = and_how_held(reason, carried.get(i).is_some_and(|c| c.loosely));
             ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..learned(arm, object) }
         })
         .collect();

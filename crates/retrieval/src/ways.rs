@@ -36,11 +36,13 @@ pub struct Settings {
     pub margin: f64,
     /// Room that the object keeps, metres: it may stand close to others.
     pub held_margin: f64,
+    /// Objects may turn or slip in the hand.
+    pub loosely: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { lift: 0.01, coarse: 0.05, fine: 0.02, farthest: 0.9, margin: 0.001, held_margin: 0.0004 }
+        Self { lift: 0.01, coarse: 0.05, fine: 0.02, farthest: 0.9, margin: 0.001, held_margin: 0.0004, loosely: false }
     }
 }
 
@@ -237,7 +239,7 @@ impl Explorer<'_> {
 
     /// Finds every grasp posture of an object; none is looked at yet.
     pub fn explore(&self, object: ObjectId, budget: &Budget) -> Result<Ways, Stop> {
-        let Presets { grasps, too_wide, askew } = preset_grasps(self.world, object);
+        let Presets { grasps, too_wide, askew } = preset_grasps(self.world, object, self.settings.loosely);
         let mut found = Ways { counts: Counts { too_wide, askew, ..Counts::default() }, ..Ways::default() };
         let home = &self.world.model.robot.home;
         let in_twos = in_twos(self.world);
@@ -252,8 +254,10 @@ impl Explorer<'_> {
             found.counts.out_of_reach += usize::from(branches.is_empty());
             found.unseen.extend(branches.into_iter().map(|q| (index, q)));
         }
-        // Ways that end near the resting posture are taken first, so they are looked at first.
-        found.unseen.sort_by_cached_key(|(_, q)| std::cmp::Reverse((distance(q, home) * 1e9) as u64));
+        // Ways that end near the resting posture are taken first, so they are looked at first; loose holds last.
+        found.unseen.sort_by_cached_key(|(grasp, q)| {
+            (grasps[*grasp].firm, std::cmp::Reverse((distance(q, home) * 1e9) as u64))
+        });
         found.grasps = grasps;
         Ok(found)
     }

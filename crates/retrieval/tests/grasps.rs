@@ -3,8 +3,11 @@
 
 use clearway_collision::{CollisionModel, World};
 use clearway_geometry::Vec3;
-use clearway_plan::ObjectId;
+use clearway_plan::event::Silent;
+use clearway_plan::plan_file::Status;
+use clearway_plan::{Budget, ObjectId};
 use clearway_retrieval::grasps::{Presets, declared, preset_grasps};
+use clearway_retrieval::planner::{Planner, Request, Settings};
 use clearway_robot::Robot;
 use clearway_scene::Scene;
 use std::path::Path;
@@ -32,7 +35,7 @@ place: [{{id: tray, size: [0.2, 0.2], position: [0.7, 0.3, 0.5]}}]
     );
     let scene = Scene::from_text(Path::new("table.yaml"), &text).unwrap();
     let world = World::new(model.clone(), &scene);
-    let presets = preset_grasps(&world, ObjectId(0));
+    let presets = preset_grasps(&world, ObjectId(0), false);
     (world, presets)
 }
 
@@ -89,7 +92,7 @@ fn a_bottle_is_not_held_by_its_shoulder() {
     assert!(presets.askew > 0);
 }
 
-/// Too wide for the hand both ways, and a corner fits: better that than nothing.
+/// No hold is firm: better a loose one than none.
 #[test]
 fn what_cannot_be_held_firmly_is_held_all_the_same() {
     // A can lying on its side, as long as wide: the hand comes level and meets it round.
@@ -97,4 +100,35 @@ fn what_cannot_be_held_firmly_is_held_all_the_same() {
     let (world, presets) = presets(&arm("panda"), can);
     let holding = declared(&world, ObjectId(0)).iter().filter(|(_, grasp)| grasp.is_some()).count();
     assert!(!presets.grasps.is_empty() && presets.grasps.len() + presets.askew == holding);
+}
+
+/// A box stands cornerwise between walls that leave the hand one direction, or with room all round.
+#[test]
+fn a_loose_hold_is_the_last_resort_and_is_told() {
+    for (walls, loosely) in [(0.065, true), (0.4, false)] {
+        let text = format!(
+            "\
+format: clearway-scene/1
+robot: {{model: ur10_suction, base: {{position: [0, 0, 0]}}}}
+fixtures:
+  - {{id: table, box: {{size: [0.6, 1.6, 0.02]}}, position: [0.8, 0, 0.49]}}
+  - {{id: left, box: {{size: [0.4, 0.02, 0.3]}}, position: [0.8, {walls}, 0.65]}}
+  - {{id: right, box: {{size: [0.4, 0.02, 0.3]}}, position: [0.8, -{walls}, 0.65]}}
+objects:
+  - {{id: thing, box: {{size: [0.05, 0.05, 0.14]}}, position: [0.8, 0, 0.57], rpy: [0, 0, 0.7853981634]}}
+target: thing
+place: [{{id: tray, size: [0.2, 0.2], position: [0.7, 0.6, 0.5]}}]
+"
+        );
+        let scene = Scene::from_text(Path::new("between.yaml"), &text).unwrap();
+        let mut planner = Planner::with_model(scene, arm("ur10_suction"), Settings::default()).unwrap();
+        let plan = planner.plan(&Request::new(0, Budget::unlimited().with_iterations(2000)), &mut Silent).plan;
+        assert_eq!(plan.status, Status::Solved, "{walls}: {}", plan.why.summary);
+        assert_eq!(
+            plan.why.objects[0].reason.contains("not held firmly"),
+            loosely,
+            "{walls}: {}",
+            plan.why.objects[0].reason
+        );
+    }
 }

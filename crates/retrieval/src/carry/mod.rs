@@ -137,6 +137,8 @@ pub struct Carried {
     pub after: Situation,
     /// What stood in the way of the way taken, before anything was removed.
     pub way_blocked_by: ObjectSet,
+    /// It may turn or slip in the hand.
+    pub loosely: bool,
 }
 
 /// Why a way could not be carried out.
@@ -222,7 +224,7 @@ impl<R: Rng> Carrier<'_, R> {
         let mut segments = self.taking_segments(object, grasp, there, across);
         segments.extend(leaving);
         let step = self.step(object, segments, &world_from_object);
-        Ok(Ok(Carried { step, after, way_blocked_by: way.blocked_by }))
+        Ok(Ok(Carried { step, after, way_blocked_by: way.blocked_by, loosely: !grasp.firm }))
     }
 
     /// To an object: free to its way's outer end, then along it; the hand can close there.

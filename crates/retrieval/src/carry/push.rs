@@ -92,7 +92,7 @@ impl<R: Rng> Carrier<'_, R> {
                 margin_of_error: settings.margin_of_error,
             }),
         };
-        Ok(Ok(Carried { step, after, way_blocked_by: shove.way_in.blocked_by }))
+        Ok(Ok(Carried { step, after, way_blocked_by: shove.way_in.blocked_by, loosely: false }))
     }
 
     /// Straight on from the way in, the tool not turning.

@@ -62,6 +62,6 @@ impl<R: Rng> Carrier<'_, R> {
         let mut segments = self.taking_segments(object, grasp, there, vec![self.widened(across)]);
         segments.extend(leaving);
         let step = self.step(object, segments, &(world.world_from_root * to));
-        Ok(Ok(Carried { step, after, way_blocked_by: out.blocked_by }))
+        Ok(Ok(Carried { step, after, way_blocked_by: out.blocked_by, loosely: !grasp.firm }))
     }
 }

@@ -198,6 +198,7 @@ impl Feasibility {
         self.stands.truncate(1);
         self.stands[0].world.set_scene(&scene);
         self.stands[0].ways = vec![None; scene.objects.len()];
+        self.settings.loosely = false;
         self.floor = floor(&scene, self.robot(), self.base.is_some());
         if let Some(base) = &mut self.base {
             base.set_scene(&scene);
@@ -311,6 +312,18 @@ impl Feasibility {
     /// Forgets ways along which no motion was found.
     pub fn drop_failed(&mut self) {
         self.stands.iter_mut().flat_map(|s| s.ways.iter_mut().flatten()).for_each(Ways::drop_failed);
+    }
+
+    /// From now on objects may turn or slip in the hand: what was found out of ways is forgotten. False where no grasp
+    /// was left out for that.
+    pub(crate) fn hold_loosely(&mut self) -> bool {
+        let all = || self.stands.iter().flat_map(|s| s.ways.iter().flatten());
+        if self.settings.loosely || all().all(|ways| ways.counts.askew == 0) {
+            return false;
+        }
+        self.settings.loosely = true;
+        self.stands.iter_mut().for_each(|s| s.ways.fill(None));
+        true
     }
 
     /// All ways to all objects, routes known by now included: what an exact answer can be about.

@@ -264,7 +264,7 @@ impl Feasibility {
         let Self { stands, inverse, floor, settings, scratch, .. } = self;
         let world = &stands[stop].world;
         let pose = world.poses[object.index()];
-        let grasp = Grasp { object_from_tool: pose.inverse() * end.from, closed: end.grasp.closed };
+        let grasp = Grasp { object_from_tool: pose.inverse() * end.from, closed: end.grasp.closed, firm: true };
         let mut ways = |moved_to: Option<Pose>| {
             let explorer = Explorer { world, inverse, floor, settings, moved_to, empty: true };
             let mut ways = explorer.with_grasp(object, &grasp, WAYS_IN, scratch);
