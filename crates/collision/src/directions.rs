@@ -5,7 +5,7 @@
 
 use clearway_geometry::{Convex, Pose, Vec3, distance::closer_than_along};
 
-const SLOTS: usize = 1 << 13;
+const SLOTS: usize = 1 << 11;
 
 /// A shape, where it is, and its name.
 type Named<'a> = (&'a Convex, &'a Pose, usize);

@@ -46,13 +46,28 @@ pub(crate) const SELF_MARGIN: f64 = 0.002;
 impl World {
     /// Everything movable that the posture touches, or that it touches something fixed.
     pub fn touched(&self, posture: &[f64], moment: &Moment, scratch: &mut Scratch) -> Touch {
+        self.touched_by(|_| true, posture, moment, scratch)
+    }
+
+    /// What the hand's links touch, and what is held: enough where only the hand moved.
+    pub fn touched_by_hand(&self, posture: &[f64], moment: &Moment, scratch: &mut Scratch) -> Touch {
+        self.touched_by(|link| link.hand, posture, moment, scratch)
+    }
+
+    fn touched_by(
+        &self,
+        counts: impl Fn(&LinkBody) -> bool + Copy,
+        posture: &[f64],
+        moment: &Moment,
+        scratch: &mut Scratch,
+    ) -> Touch {
         scratch.checked += 1;
         self.place_links(posture, moment.hand, scratch);
         let Scratch { frames, centres, directions, .. } = scratch;
         let (frames, centres): (&[Pose], &[Vec3]) = (frames, centres);
         let margin = moment.margin;
         let mut touched = ObjectSet::EMPTY;
-        let moving = || self.moving(frames, centres);
+        let moving = || self.moving(frames, centres).filter(|(link, ..)| counts(link));
         for (link, frame, centre) in moving() {
             if self.fixtures.iter().any(|f| link_near(link, frame, centre, f, margin, directions)) {
                 return Touch::Fixed;
@@ -77,7 +92,7 @@ impl World {
                 }
             }
         }
-        if self.meets_itself(frames, centres, directions) { Touch::Fixed } else { Touch::Objects(touched) }
+        if self.meets_itself(counts, frames, centres, directions) { Touch::Fixed } else { Touch::Objects(touched) }
     }
 
     /// Where the links are at a posture of the arm and a value of the hand's joint.
@@ -187,10 +202,17 @@ impl World {
 
     /// Whether two links come closer than they should.
     #[inline]
-    pub(crate) fn meets_itself(&self, frames: &[Pose], centres: &[Vec3], directions: &mut Directions) -> bool {
+    fn meets_itself(
+        &self,
+        counts: impl Fn(&LinkBody) -> bool,
+        frames: &[Pose],
+        centres: &[Vec3],
+        directions: &mut Directions,
+    ) -> bool {
         self.model.pairs.iter().any(|&(a, b)| {
             let (Some(la), Some(lb)) = (&self.model.links[a], &self.model.links[b]) else { return false };
-            links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN, directions)
+            (counts(la) || counts(lb))
+                && links_near((la, &frames[a], centres[a]), (lb, &frames[b], centres[b]), SELF_MARGIN, directions)
         })
     }
 }

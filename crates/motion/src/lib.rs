@@ -33,7 +33,7 @@ pub use rrt_connect::{Settings as RrtSettings, Trees, connect};
 pub use sampler::{Halton, NearEnds, Sampler};
 pub use shortcut::shorten;
 pub use simplify::{Settings as SimplifySettings, simplify};
-pub use smooth::{rounded, roundest, smooth};
+pub use smooth::{rounded, smooth};
 pub use space::{Space, Surely};
 pub use sphere_space::SphereSpace;
 pub use time_path::time_path;

@@ -5,12 +5,7 @@ use crate::{Corners, Curve, Path, Space, distance};
 /// Off by less than this the curve counts as the path itself, metres: a fraction of the margins.
 const SAME: f64 = 1e-4;
 
-/// The curve with all corners rounded as widely as goes, whatever that touches.
-pub fn roundest(path: &Path) -> Curve {
-    rounded(path, 1.0)
-}
-
-/// The curve with all corners rounded by a part of what goes, from 0 (as the path) to 1.
+/// The curve with all corners rounded by a part of what goes, from 0 (as the path) to 1, whatever that touches.
 pub fn rounded(path: &Path, part: f64) -> Curve {
     let path = distinct(path);
     let corners = Corners::of(&path);

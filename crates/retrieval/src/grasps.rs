@@ -50,8 +50,8 @@ const FALLS_OFF: f64 = 2.5e-3;
 const LEVEL: f64 = 0.01;
 /// Directions this close are one, radians.
 const SAME_YAW: f64 = 1e-6;
-/// Of the hand's stroke, a few centimetres, less than FIRM is left.
-const BISECTIONS: usize = 14;
+/// The gap at which the fingers touch is found within this, metres.
+const CLOSED: f64 = 6e-6;
 /// A hand that nowhere reaches farther by this after half a turn about its z axis is the same upside down, metres.
 const ALIKE: f64 = 0.01;
 
@@ -245,25 +245,39 @@ impl<'a> Fingers<'a> {
         if let Some((_, answer)) = self.known.iter().find(|(pose, _)| same(pose, &asked)) {
             return *answer;
         }
-        let answer = self.bisect(&asked.inverse());
+        let answer = self.touching(&asked.inverse());
         self.known.push((asked, answer));
         answer
     }
 
-    fn bisect(&self, tool_from_object: &Pose) -> Option<f64> {
+    fn touching(&self, tool_from_object: &Pose) -> Option<f64> {
         let hand = &self.world.model.robot.hand;
         let (open, closed) = (hand.joint_at(hand.widest()), hand.joint_at(0.0));
         if self.near(open, tool_from_object, 0.0) || !self.near(closed, tool_from_object, TOUCH) {
             return None;
         }
-        // Nearness only grows as the hand closes.
+        // Nearness only grows as the hand closes. Mostly the pads touch, at a gap as wide as the object.
         let (mut apart, mut touching) = (hand.widest(), 0.0);
-        for _ in 0..BISECTIONS {
-            let middle = (apart + touching) / 2.0;
-            let near = self.near(hand.joint_at(middle), tool_from_object, FIRM);
-            *if near { &mut touching } else { &mut apart } = middle;
+        let touches = self.width(tool_from_object) + 2.0 * FIRM;
+        let about = [0.5, 8.0, 64.0].into_iter().flat_map(|far| [touches + far * CLOSED, touches - far * CLOSED]);
+        let mut guesses = about.collect::<Vec<f64>>().into_iter();
+        while apart - touching > CLOSED * (1.0 + 1e-6) {
+            let inside = |gap: &f64| touching < *gap && *gap < apart;
+            let gap = guesses.find(inside).unwrap_or((apart + touching) / 2.0);
+            let near = self.near(hand.joint_at(gap), tool_from_object, FIRM);
+            *if near { &mut touching } else { &mut apart } = gap;
         }
         Some(hand.joint_at(apart))
+    }
+
+    /// The point of the solid farthest in a direction, seen from the tool.
+    fn farthest(&self, tool_from_object: &Pose, direction: Vec3) -> Vec3 {
+        tool_from_object.point(self.solid.support(tool_from_object.rotation.transpose() * direction))
+    }
+
+    /// Along the way that the fingers close.
+    fn width(&self, tool_from_object: &Pose) -> f64 {
+        self.farthest(tool_from_object, Vec3::X).x - self.farthest(tool_from_object, -Vec3::X).x
     }
 
     fn near(&self, value: f64, tool_from_object: &Pose, margin: f64) -> bool {
@@ -307,21 +321,26 @@ impl<'a> Hold<'a> {
     /// Turned a little either way, raised, lowered or moved away from the palm, it does not come loose: fingers that
     /// close on the corners of a box turn it until they are on its sides.
     fn stays(&self, tool_from_object: &Pose, closed: f64) -> bool {
-        let farthest =
-            |d: Vec3| tool_from_object.point(self.fingers.solid.support(tool_from_object.rotation.transpose() * d));
         // Wider apart than it is wide, the pads do not touch it: something else does.
-        if self.world.model.robot.hand.gap_at(closed) > farthest(Vec3::X).x - farthest(-Vec3::X).x + PADS_OFF {
+        if self.world.model.robot.hand.gap_at(closed) > self.fingers.width(tool_from_object) + PADS_OFF {
             return false;
         }
+        let ahead = |d: Vec3| self.fingers.farthest(tool_from_object, d).z;
         let moved = |by: Pose, loose: f64| self.fingers.near(closed, &(by * *tool_from_object), FIRM + loose);
         let shifted = |by: Vec3| moved(Pose::from_translation(by), LOOSE_AHEAD);
         // About the middle between the pads, and about its own.
-        let own = Vec3::Z * ((farthest(Vec3::Z).z + farthest(-Vec3::Z).z) / 2.0);
+        let own = Vec3::Z * ((ahead(Vec3::Z) + ahead(-Vec3::Z)) / 2.0);
         let turned = |about: Vec3, angle: f64| {
             let turn = Mat3::from_rotation_y(angle);
             moved(Pose::new(turn, about - turn * about), LOOSE_TURNED)
         };
-        let stays = |about: Vec3| TURNED.into_iter().all(|angle| turned(about, angle) && turned(about, -angle));
+        // A can that is turned about its own axis is as it was.
+        let axis = tool_from_object.translation;
+        let upright = self.fingers.round && tool_from_object.rotation.z_axis.y.abs() > 1.0 - 1e-12;
+        let as_it_was = |about: Vec3| upright && (axis - about).length_squared() - axis.y * axis.y < 1e-18;
+        let stays = |about: Vec3| {
+            as_it_was(about) || TURNED.into_iter().all(|angle| turned(about, angle) && turned(about, -angle))
+        };
         stays(Vec3::ZERO)
             && stays(own)
             && [Vec3::Y * RAISED, Vec3::Y * -RAISED, Vec3::Z * AHEAD].into_iter().all(shifted)

@@ -331,3 +331,30 @@ fn detection_goes_by_geometry() {
     shifted[5].xyz[0] = 1e-4;
     assert!(numeric(&shifted) && !numeric(&joints));
 }
+
+#[test]
+fn what_is_near_a_posture_has_its_last_joint_and_all_branches() {
+    for (name, robot) in all() {
+        let kinematics = Kinematics::new(&robot);
+        let inverse = InverseKinematics::new(&robot, &kinematics);
+        let mut random = Random::seed_from_u64(9);
+        let mut tried = 0;
+        while tried < 300 {
+            let q = posture(&robot, &mut random);
+            if from_singular(&kinematics, &q) < 1e-2 {
+                continue;
+            }
+            tried += 1;
+            let mut near = posture(&robot, &mut random);
+            near[6] = q[6];
+            let pose = kinematics.tool(&q, 0.0);
+            let found = inverse.solve_near(&pose, &near);
+            assert!(found.iter().any(|f| same(f, &q, 2e-3)), "{name}: {q:?} is not among {found:?}");
+            for f in &found {
+                assert!(apart(&kinematics.tool(f, 0.0), &pose) < 1e-8, "{name}: {f:?}");
+                assert!((f[6] - q[6]).abs() < 1e-3, "{name}: {f:?}");
+                assert!(f.iter().zip(robot.lower.iter().zip(&robot.upper)).all(|(v, (l, u))| v >= l && v <= u));
+            }
+        }
+    }
+}

@@ -4,14 +4,17 @@ use super::{Attempt, Carrier, obstructed};
 use clearway_collision::{Lean, Moment, Scratch, Touch};
 use clearway_geometry::{Mat3, Pose, Vec3};
 use clearway_motion::{
-    NearEnds, Path, Posture, RrtSettings, Space, Surely, Timed, connect, distance, roundest, shorten, simplify, smooth,
+    NearEnds, Path, Posture, RrtSettings, Space, Surely, Timed, connect, distance, rounded, shorten, simplify, smooth,
     time_curve,
 };
 use clearway_plan::{ObjectSet, Stop};
 use rand::{Rng, RngExt};
 
+/// Corners rounded by so much of what goes: nearly the path itself.
+const HARDLY_ROUND: f64 = 0.2;
+
 impl<R: Rng> Carrier<'_, R> {
-    /// What the robot touches while its hand turns from where a moment has it to another value: fingers may
+    /// What the hand touches while it turns from where a moment has it to another value: fingers may
     /// swing outwards on their way.
     pub(crate) fn hand_turning(&self, posture: &Posture, moment: &Moment, to: f64) -> Touch {
         const STEPS: usize = 16;
@@ -19,7 +22,7 @@ impl<R: Rng> Carrier<'_, R> {
         let mut touched = ObjectSet::EMPTY;
         for i in 1..=STEPS {
             let hand = moment.hand + (to - moment.hand) * i as f64 / STEPS as f64;
-            match self.world.touched(posture, &Moment { hand, ..moment.clone() }, &mut scratch) {
+            match self.world.touched_by_hand(posture, &Moment { hand, ..moment.clone() }, &mut scratch) {
                 Touch::Fixed => return Touch::Fixed,
                 Touch::Objects(set) => touched = touched.union(set),
             }
@@ -94,29 +97,37 @@ impl<R: Rng> Carrier<'_, R> {
         lenient.resting = resting_within.is_some();
         let mut strict = Space::quick(self.world, moment, self.settings.final_step);
         let mut resting = Space::quick(self.world, &lenient, self.settings.final_step);
-        let mut timed = Timed::default();
-        // As round as can be; where that touches something, only as round as is free.
-        for careful in [false, true] {
+        let mut failed = (false, Vec::new());
+        // As round as can be; where that touches something, only as round as is free; where that rubs on what carries
+        // the object, hardly round.
+        for attempt in 0..3 {
             self.budget.check()?;
-            let curve = match careful {
-                false => roundest(path),
-                true => smooth(&mut Space::quick(self.world, &lenient, self.settings.step), path),
+            let curve = match attempt {
+                0 => rounded(path, 1.0),
+                1 => smooth(&mut Space::quick(self.world, &lenient, self.settings.step), path),
+                _ => rounded(path, HARDLY_ROUND),
             };
-            timed = time_curve(&curve, &limits, self.settings.row);
+            let timed = time_curve(&curve, &limits, self.settings.row);
             let rows = &timed.positions;
             if rows.len() < 2 {
                 return obstructed(what, ObjectSet::EMPTY);
             }
             let (from, to) = self.resting_rows(moment, rows, resting_within);
-            if resting.rows_free(&rows[..=from]) && strict.rows_free(&rows[from..=to]) && resting.rows_free(&rows[to..])
-            {
-                return Ok(Ok(timed));
+            let parts = [(true, 0..=from), (false, from..=to), (true, to..=rows.len() - 1)];
+            let touches = parts.into_iter().find(|(rests, part)| {
+                let space = if *rests { &mut resting } else { &mut strict };
+                !space.rows_free(&rows[part.clone()])
+            });
+            match touches {
+                None => return Ok(Ok(timed)),
+                Some((rests, part)) => failed = (rests, rows[part].to_vec()),
             }
         }
         // What is grazed between shows only when looked at finely, which takes long.
-        let mut coarse = Space::quick(self.world, &lenient, self.settings.step);
-        let blamed = match coarse.path_touched(&timed.positions) {
-            Some(touched) if touched.is_empty() => resting.path_touched(&timed.positions).unwrap_or_default(),
+        let (rests, rows) = failed;
+        let (moment, fine) = if rests { (&lenient, &mut resting) } else { (moment, &mut strict) };
+        let blamed = match Space::quick(self.world, moment, self.settings.step).path_touched(&rows) {
+            Some(touched) if touched.is_empty() => fine.path_touched(&rows).unwrap_or_default(),
             touched => touched.unwrap_or_default(),
         };
         obstructed(what, blamed)
@@ -168,9 +179,10 @@ impl<R: Rng> Carrier<'_, R> {
                     let mut at = || self.random.random::<f64>();
                     let turn = Mat3::from_axis_angle(up, std::f64::consts::TAU * at());
                     let position = low + (high - low) * Vec3::new(at(), at(), at());
-                    let near = self.inverse.solve_soon(&Pose::new(turn * from.rotation, position), start);
+                    let pose = Pose::new(turn * from.rotation, position);
+                    let near = [start, goal].into_iter().flat_map(|near| self.inverse.solve_near(&pose, near));
                     let off = |q: &Posture| distance(q, start) + distance(q, goal);
-                    guides.extend(near.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))));
+                    guides.extend(near.min_by(|a, b| off(a).total_cmp(&off(b))));
                 }
                 path = self.connect(
                     &mut space,

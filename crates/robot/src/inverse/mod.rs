@@ -114,9 +114,17 @@ impl InverseKinematics {
         self.solve_some(root_from_tool, near, Asked { slivers: self.slivers, half_turn: false })
     }
 
-    /// The same, sooner: poses that only few values of a redundant joint have are passed over.
-    pub fn solve_soon(&self, root_from_tool: &Pose, near: &[f64]) -> Vec<Posture> {
-        self.solve_some(root_from_tool, near, Asked { slivers: false, half_turn: false })
+    /// Some of them, soon: only with the value that a redundant joint has in `near`, or, where there is no closed form,
+    /// what a descent from there finds.
+    pub fn solve_near(&self, root_from_tool: &Pose, near: &[f64]) -> Vec<Posture> {
+        let sound = |q: &mut Posture| self.polish(root_from_tool, q) && self.wrap(q, near);
+        let mut found = match &self.method {
+            Method::ThreeParallel(closed) => closed.solve(root_from_tool),
+            Method::SphericalShoulder(sweep) => sweep.solve_near(root_from_tool, near),
+            Method::Numeric(_) => numeric::solve(&self.chain, root_from_tool, &[near.to_vec()], self.limits()),
+        };
+        found.retain_mut(sound);
+        found
     }
 
     /// The same for a hand that is the same upside down, and when it is asked for this pose and for the one turned by

@@ -91,6 +91,14 @@ impl Sweep {
         found
     }
 
+    /// Postures at the value that the swept joint has in `near`.
+    pub fn solve_near(&self, root_from_tool: &Pose, near: &[f64]) -> Vec<Posture> {
+        let closed = &self.closed;
+        let mut found = Vec::new();
+        closed.solve_at(&closed.wanted(root_from_tool), &closed.at(near[closed.swept()]), |q| found.push(Vec::from(q)));
+        found
+    }
+
     /// The posture nearest to `from` (in the joint that moves most) at the value of the swept joint
     /// nearest to `from`'s that has one within `reach` in every joint.
     pub fn follow(&self, root_from_tool: &Pose, from: &[f64], limits: Limits, reach: f64) -> Option<[f64; 7]> {
