@@ -266,7 +266,7 @@ impl Handling {
         {
             let fallen = self.fallen(situation);
             if !fallen.is_empty() {
-                return Ok(Err(Obstruction { what, blamed: fallen }));
+                return Ok(Err(Obstruction { what, blamed: fallen, slower: false }));
             }
         }
         self.carrier(before, budget).relocate(&relocation, before, false)
@@ -294,7 +294,18 @@ impl Handling {
     fn carrier<'a>(&'a mut self, before: &Situation, budget: &'a Budget) -> Carrier<'a, Xoshiro256PlusPlus> {
         let Self { arm: Feasibility { stands, scene, inverse, carrying, trees, .. }, random } = self;
         let (world, base) = (&stands[0].world, before.base.clone());
-        Carrier { world, base, within: None, scene, inverse, settings: carrying, random, budget, trees }
+        Carrier {
+            world,
+            base,
+            within: None,
+            scene,
+            inverse,
+            settings: carrying,
+            random,
+            budget,
+            trees,
+            quicker_than: f64::INFINITY,
+        }
     }
 
     /// A plan of these steps; without a goal of its own it is to have the target.

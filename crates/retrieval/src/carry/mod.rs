@@ -147,6 +147,8 @@ pub struct Obstruction {
     pub what: &'static str,
     /// Standing objects that the arm would have to pass through; empty when nothing is known.
     pub blamed: ObjectSet,
+    /// It was given up as too slow: there may be a motion.
+    pub slower: bool,
 }
 
 /// Everything a motion is planned with.
@@ -162,6 +164,8 @@ pub struct Carrier<'a, R: Rng> {
     pub random: &'a mut R,
     pub budget: &'a Budget,
     pub trees: &'a mut Trees,
+    /// A step that surely takes as long is given up, seconds.
+    pub quicker_than: f64,
 }
 
 pub(crate) type Attempt<T> = Result<Result<T, Obstruction>, Stop>;
@@ -191,25 +195,33 @@ impl<R: Rng> Carrier<'_, R> {
     ) -> Attempt<Carried> {
         let world = self.world;
         let there = attempt!(self.come(object, grasp, way, before));
-        let Some(entry) = way.postures.last() else { return obstructed("the way is empty", ObjectSet::EMPTY) };
-
+        let left = self.quicker_than - there.duration() - 2.0 * self.settings.grip_time;
+        if left <= 0.0 {
+            return too_slow();
+        }
         // Out with it and to a spot, here or elsewhere.
         let mut carrying =
             Moment::new(before.standing.difference(ObjectSet::of(object)), grasp.closed, self.settings.margin);
         carrying.placed = world.with_unseen(before.placed(world), object);
-        let Brought { across, placement, stand, base } = match (self.place(object, grasp, entry, &carrying)?, elsewhere)
-        {
-            (Ok(placement), _) => {
-                let mut path = way.postures.clone();
-                path.extend(placement.transfer.iter().skip(1).cloned());
-                path.extend(placement.lower.iter().skip(1).cloned());
-                let moment = self.ready_to_carry(object, &carrying, &placement.held);
-                let timed = attempt!(self.timed(&moment, &path, Some(self.settings.lower_from), "the transfer"));
-                Brought { across: vec![self.widened(timed)], placement, stand: before.stand, base: self.base.clone() }
-            }
-            (Err(obstruction), None) => return Ok(Err(obstruction)),
-            (Err(_), Some(elsewhere)) => attempt!(self.bring(elsewhere, object, grasp, way, before, &carrying)),
-        };
+        let Brought { across, placement, stand, base } =
+            match (self.place(object, grasp, &way.postures, &carrying, left)?, elsewhere) {
+                (Ok(placement), _) => {
+                    let mut path = way.postures.clone();
+                    path.extend(placement.transfer.iter().skip(1).cloned());
+                    path.extend(placement.lower.iter().skip(1).cloned());
+                    let moment = self.ready_to_carry(object, &carrying, &placement.held);
+                    let timed = attempt!(self.timed(&moment, &path, Some(self.settings.lower_from), "the transfer"));
+                    Brought {
+                        across: vec![self.widened(timed)],
+                        placement,
+                        stand: before.stand,
+                        base: self.base.clone(),
+                    }
+                }
+                (Err(obstruction), None) => return Ok(Err(obstruction)),
+                (Err(obstruction), _) if obstruction.slower => return Ok(Err(obstruction)),
+                (Err(_), Some(elsewhere)) => attempt!(self.bring(elsewhere, object, grasp, way, before, &carrying)),
+            };
 
         let mut after = before.clone();
         after.standing.remove(object);
@@ -353,10 +365,15 @@ impl<R: Rng> Carrier<'_, R> {
             random: &mut *self.random,
             budget: self.budget,
             trees: &mut *self.trees,
+            quicker_than: self.quicker_than,
         }
     }
 }
 
+pub(crate) fn too_slow<T>() -> Attempt<T> {
+    Ok(Err(Obstruction { what: "it takes too long", blamed: ObjectSet::EMPTY, slower: true }))
+}
+
 pub(crate) fn obstructed<T>(what: &'static str, blamed: ObjectSet) -> Attempt<T> {
-    Ok(Err(Obstruction { what, blamed }))
+    Ok(Err(Obstruction { what, blamed, slower: false }))
 }

@@ -1,6 +1,6 @@
 //! Putting down: a spot that the hand can reach with what it holds, and leave without it.
 
-use super::{Attempt, Carrier, obstructed};
+use super::{Attempt, Carrier, obstructed, too_slow};
 use crate::grasps::Grasp;
 use crate::place;
 use clearway_collision::{Held, Moment, Obstacle, Touch};
@@ -23,14 +23,19 @@ pub(crate) struct Placement {
 }
 
 impl<R: Rng> Carrier<'_, R> {
-    /// Finds a spot that the hand can reach with the object and leave without it.
+    /// Finds a spot that the hand can reach with the object, along a way out, and leave without it: all that in less
+    /// than `left` seconds, as far as can be told before there is a motion.
     pub(crate) fn place(
         &mut self,
         object: ObjectId,
         grasp: &Grasp,
-        entry: &Posture,
+        out: &[Posture],
         carrying: &Moment,
+        left: f64,
     ) -> Attempt<Placement> {
+        let (Some(entry), Some(start)) = (out.last(), out.first()) else {
+            return obstructed("the way is empty", ObjectSet::EMPTY);
+        };
         let world = self.world;
         let scene_pose = world.world_from_root * world.poses[object.index()];
         let base = world.world_from_root.translation.truncate();
@@ -50,6 +55,10 @@ impl<R: Rng> Carrier<'_, R> {
                 };
                 let pose = world.root_from_world * world_from_object;
                 let Some(placement) = self.put_down(&held, grasp, entry, carrying, pose) else { continue };
+                let (down, clear) = (&placement.back[0], &placement.back[placement.back.len() - 1]);
+                if self.least_time(start, down) + self.least_time(down, clear) >= left {
+                    return too_slow();
+                }
                 let mut moment = carrying.clone();
                 moment.held = Some(placement.held.clone());
                 tries += 1;
@@ -68,6 +77,19 @@ impl<R: Rng> Carrier<'_, R> {
             return obstructed("the motion to the place with the object in hand", blamed);
         }
         obstructed("no spot is left on the places that the hand can reach with the object", ObjectSet::EMPTY)
+    }
+
+    /// A motion from rest to rest takes as long at least, by the limits of each joint alone.
+    fn least_time(&self, from: &Posture, to: &Posture) -> f64 {
+        let robot = &self.world.model.robot;
+        let joint = |i: usize| {
+            let (way, velocity, acceleration) = ((from[i] - to[i]).abs(), robot.velocity[i], robot.acceleration[i]);
+            match way * acceleration < velocity * velocity {
+                true => 2.0 * (way / acceleration).sqrt(),
+                false => way / velocity + velocity / acceleration,
+            }
+        };
+        (0..from.len()).map(joint).fold(0.0, f64::max)
     }
 
     /// Whether the object can be lowered onto a spot and let go of there.

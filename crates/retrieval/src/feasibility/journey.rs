@@ -65,6 +65,7 @@ macro_rules! carrier {
             random: &mut $journey.random,
             budget: $budget,
             trees: &mut $self.trees,
+            quicker_than: f64::INFINITY,
         }
     };
 }
@@ -157,7 +158,7 @@ impl Feasibility {
     ) -> Result<Result<Carried, Vec<ObjectSet>>, Stop> {
         let (object, later) = (objects[0], &objects[1..]);
         if pushes == Pushes::Never || object == self.scene.target {
-            return self.carry_one(object, removed, stop, journey, budget);
+            return self.carry_one(object, removed, stop, f64::INFINITY, journey, budget);
         }
         let before = self.situation(journey);
         journey.not_pushed.retain(|(o, _)| *o != object);
@@ -169,11 +170,12 @@ impl Feasibility {
                 if pushes == Pushes::Prefer || !reason.is_of_scene() {
                     journey.not_pushed.push((object, reason));
                 }
-                return self.carry_one(object, removed, stop, journey, budget);
+                return self.carry_one(object, removed, stop, f64::INFINITY, journey, budget);
             }
         };
-        match self.carry_one(object, removed, stop, journey, budget)? {
-            Ok(carried) if carried.step.duration() <= pushed.step.duration() => {
+        let lasts = pushed.step.duration();
+        match self.carry_one(object, removed, stop, lasts, journey, budget)? {
+            Ok(carried) if carried.step.duration() <= lasts => {
                 journey.not_pushed.push((object, NoPush::Slower));
                 Ok(Ok(carried))
             }
@@ -181,12 +183,14 @@ impl Feasibility {
         }
     }
 
-    /// One object's motion along one of its free ways, from a stand if it can be; on failure what was blamed.
+    /// One object's motion along one of its free ways, from a stand if it can be, given up if it surely lasts as long
+    /// as `quicker_than`; on failure what was blamed.
     fn carry_one(
         &mut self,
         object: ObjectId,
         removed: &ObjectSet,
         stop: usize,
+        quicker_than: f64,
         journey: &mut Journey,
         budget: &Budget,
     ) -> Result<Result<Carried, Vec<ObjectSet>>, Stop> {
@@ -198,7 +202,7 @@ impl Feasibility {
         }
         let mut blamed = Vec::new();
         for stop in stops {
-            match self.carry_from(stop, object, removed, &before, journey, budget)? {
+            match self.carry_from(stop, object, removed, &before, quicker_than, journey, budget)? {
                 Ok(carried) => return Ok(Ok(carried)),
                 Err(sets) => blamed.extend(sets),
             }
@@ -207,12 +211,14 @@ impl Feasibility {
     }
 
     /// The same from one stand, to which a mobile base drives if it is not there.
+    #[allow(clippy::too_many_arguments)]
     fn carry_from(
         &mut self,
         stop: usize,
         object: ObjectId,
         removed: &ObjectSet,
         before: &Situation,
+        quicker_than: f64,
         journey: &mut Journey,
         budget: &Budget,
     ) -> Result<Result<Carried, Vec<ObjectSet>>, Stop> {
@@ -247,7 +253,7 @@ impl Feasibility {
                 stands: &self.stands,
                 order,
             });
-            let mut carrier = carrier!(self, stop, before, journey, budget);
+            let mut carrier = Carrier { quicker_than, ..carrier!(self, stop, before, journey, budget) };
             let way = &ways.ways[index];
             let taken = carrier.take(object, &ways.grasps[way.grasp], way, &before, last, elsewhere.as_ref());
             let ways = self.stands[stop].ways[object.index()].insert(ways);
@@ -257,6 +263,7 @@ impl Feasibility {
                     carried.step.segments.splice(0..0, driven);
                     return Ok(Ok(carried));
                 }
+                Err(obstruction) if obstruction.slower => return Ok(Err(blamed)),
                 Err(obstruction) => {
                     ways.ways[index].failures += 1;
                     journey.obstruction = Some((object, obstruction.what));

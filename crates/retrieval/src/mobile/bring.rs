@@ -56,6 +56,7 @@ impl<R: Rng> Carrier<'_, R> {
         let mut hanging = carrying.clone();
         hanging.held = Some(held.clone());
         let mut failed = Obstruction {
+            slower: false,
             what: "no spot is left on the places that the hand can reach with the object",
             blamed: ObjectSet::EMPTY,
         };
@@ -73,7 +74,13 @@ impl<R: Rng> Carrier<'_, R> {
                 let there = &elsewhere.stands[stand];
                 let mut carrying = Moment::new(carrying.standing, grasp.closed, self.settings.margin);
                 carrying.placed = before.placed(&there.world);
-                let placement = match self.at(there, Vec::new()).place(object, grasp, &tucked, &carrying)? {
+                let placement = match self.at(there, Vec::new()).place(
+                    object,
+                    grasp,
+                    std::slice::from_ref(&tucked),
+                    &carrying,
+                    f64::INFINITY,
+                )? {
                     Ok(placement) => placement,
                     Err(obstruction) => {
                         failed = obstruction;
