@@ -19,6 +19,8 @@ pub struct LinkBody {
     pub hand: bool,
     /// Moved by no joint that is planned for.
     pub still: bool,
+    /// Moved by the hand's own joint.
+    pub turns: bool,
 }
 
 /// A robot, its links covered by spheres, and the pairs of links that could meet.
@@ -83,6 +85,7 @@ impl CollisionModel {
                     spheres: if costly { spheres } else { Vec::new() },
                     hand,
                     still: kinematics.is_still(index),
+                    turns: kinematics.moved_by_hand[index],
                 })
             })
             .collect();

@@ -49,9 +49,9 @@ impl World {
         self.touched_by(|_| true, posture, moment, scratch)
     }
 
-    /// What the hand's links touch, and what is held: enough where only the hand moved.
+    /// What those links touch that the hand's own joint moves, and what is held: enough where no other joint moved.
     pub fn touched_by_hand(&self, posture: &[f64], moment: &Moment, scratch: &mut Scratch) -> Touch {
-        self.touched_by(|link| link.hand, posture, moment, scratch)
+        self.touched_by(|link| link.turns, posture, moment, scratch)
     }
 
     fn touched_by(

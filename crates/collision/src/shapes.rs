@@ -49,6 +49,7 @@ impl Shapes {
                 bound: bounding_sphere(&spheres[index]),
                 hand: false,
                 still: false,
+                turns: false,
             })
         };
         let links: Vec<Option<LinkBody>> = group.links.iter().enumerate().map(body).collect();

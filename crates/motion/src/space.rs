@@ -214,7 +214,8 @@ impl<'a> Space<'a> {
 
     /// Everything movable that a path touches; `None` when it touches something fixed.
     pub fn path_touched(&mut self, path: &[Posture]) -> Option<ObjectSet> {
-        let mut postures: Vec<Posture> = Vec::new();
+        // One posture is a path, too.
+        let mut postures: Vec<Posture> = path.first().cloned().into_iter().collect();
         for w in path.windows(2) {
             let count = (self.sweep(&w[0], &w[1]) / self.step).ceil().max(1.0) as usize;
             postures.extend((0..=count).map(|i| between(&w[0], &w[1], i as f64 / count as f64)));

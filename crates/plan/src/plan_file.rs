@@ -415,6 +415,9 @@ pub struct ObjectWhy {
     /// How it was pushed, or why it was picked rather than pushed.
     #[serde(default, deserialize_with = "null_is_default", skip_serializing_if = "String::is_empty")]
     pub push: String,
+    /// It is not held firmly: it may turn or slip in the hand.
+    #[serde(default, deserialize_with = "null_is_default", skip_serializing_if = "std::ops::Not::not")]
+    pub held_loosely: bool,
     /// Grasps looked at, by what became of them.
     #[serde(default, deserialize_with = "null_is_default")]
     pub grasps: Vec<GraspCount>,

@@ -25,6 +25,8 @@ pub struct Grasp {
 /// How far in front of the object's front the tool stays when the object is too deep to be held
 /// round its middle, metres: the pads then cover this much of it.
 const PAD: f64 = 0.02;
+/// What is deep by rounding alone is not, metres.
+const ROUNDING: f64 = 1e-6;
 /// A cup is set this far off the surface, metres: it seals, and rounding does not make it overlap.
 const CUP_GAP: f64 = 0.0003;
 /// Fingers are as good as touching at this distance, metres …
@@ -41,6 +43,8 @@ const LOOSE_AHEAD: f64 = 0.3 * AHEAD;
 const RAISED: f64 = 0.012;
 /// Pads are at what they hold within this, both together, metres.
 const PADS_OFF: f64 = 1e-3;
+/// Both together they can open by so much more at least, metres: with less they drag it along when they leave.
+const TO_OPEN: f64 = 0.003;
 /// A cup sits on a surface that so far to either side is as far off, within so much, and falls off by no more: a can's
 /// does, a corner's not. Metres.
 const RIM: f64 = 0.008;
@@ -188,7 +192,9 @@ fn side(solid: &Solid, world_from_object: &Pose, angle: f64, height: f64, kind: 
                 .into_iter()
                 .collect()
         }
-        HandKind::Parallel if back - front > deep(solid) => vec![grasp((back + front) / 2.0), grasp(front + PAD)],
+        HandKind::Parallel if back - front > deep(solid) + ROUNDING => {
+            vec![grasp((back + front) / 2.0), grasp(front + PAD)]
+        }
         HandKind::Parallel => vec![grasp((back + front) / 2.0)],
     }
 }
@@ -321,8 +327,18 @@ impl<'a> Hold<'a> {
     /// Turned a little either way, raised, lowered or moved away from the palm, it does not come loose: fingers that
     /// close on the corners of a box turn it until they are on its sides.
     fn stays(&self, tool_from_object: &Pose, closed: f64) -> bool {
-        // Wider apart than it is wide, the pads do not touch it: something else does.
-        if self.world.model.robot.hand.gap_at(closed) > self.fingers.width(tool_from_object) + PADS_OFF {
+        let hand = &self.world.model.robot.hand;
+        let (gap, width) = (hand.gap_at(closed), self.fingers.width(tool_from_object));
+        // Wider apart than it is wide, the pads do not touch it: something else does. And they have to get off it again.
+        if gap > width + PADS_OFF || hand.widest() - gap < TO_OPEN {
+            return false;
+        }
+        // Turned, what is held across its corners is narrower one way.
+        let narrower = |angle: f64| {
+            let turned = Pose::new(Mat3::from_rotation_y(angle), Vec3::ZERO) * *tool_from_object;
+            self.fingers.width(&turned) < width - LOOSE_TURNED
+        };
+        if gap > width - PADS_OFF && TURNED.into_iter().any(|angle| narrower(angle) || narrower(-angle)) {
             return false;
         }
         let ahead = |d: Vec3| self.fingers.farthest(tool_from_object, d).z;

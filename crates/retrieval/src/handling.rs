@@ -57,7 +57,9 @@ pub struct Bring {
 impl Handling {
     pub fn new(scene: Scene, model: Arc<CollisionModel>, settings: Settings, seed: u64) -> Result<Self, Unfit> {
         let Settings { ways, carry, push, mobile, .. } = settings;
-        let arm = Feasibility::new(scene, model, ways, carry, push, mobile)?;
+        let mut arm = Feasibility::new(scene, model, ways, carry, push, mobile)?;
+        // Whoever asks for grasps takes them in their order, the firm ones first.
+        arm.settings.loosely = true;
         Ok(Self { arm, random: Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x4861_6e64) })
     }
 
@@ -70,14 +72,15 @@ impl Handling {
         &self.arm.scene
     }
 
-    /// The grasps of an object where the scene has it, those that the fewest objects stand in the way of first;
-    /// those that do not reach it there last.
+    /// The grasps of an object where the scene has it: firm ones before others, and of those the ones that the fewest
+    /// objects stand in the way of first; those that do not reach it there last.
     pub fn grasps(&mut self, object: ObjectId, budget: &Budget) -> Result<Vec<Grasp>, Stop> {
         self.arm.minimal_sets(object, ObjectSet::CAPACITY, budget)?;
         let Some(ways) = &self.arm.stands[0].ways[object.index()] else { return Ok(Vec::new()) };
         let rank = |grasp: usize| {
             let of = ways.ways.iter().filter(|w| w.grasp == grasp);
-            of.map(|w| (w.stage < Stage::Exact, w.blocked_by.len(), !w.clear)).min().unwrap_or((true, usize::MAX, true))
+            let least = of.map(|w| (w.stage < Stage::Exact, w.blocked_by.len(), !w.clear)).min();
+            (!ways.grasps[grasp].firm, least.unwrap_or((true, usize::MAX, true)))
         };
         let mut order: Vec<usize> = (0..ways.grasps.len()).collect();
         order.sort_by_cached_key(|g| rank(*g));

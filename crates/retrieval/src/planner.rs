@@ -72,7 +72,8 @@ impl Settings {
 pub struct Request {
     pub seed: u64,
     pub budget: Budget,
-    /// Only plans that remove at most so many, the target included; looked for more thoroughly.
+    /// Only plans that remove at most so many, the target included; looked for more thoroughly, and with firm holds
+    /// only, where an object has any.
     pub most_removals: Option<usize>,
 }
 
@@ -164,9 +165,12 @@ impl Planner {
         self.graph = new_graph(&self.arm.scene);
     }
 
-    /// Plans. Everything random comes from the request's seed.
+    /// Plans, at first with firm holds only. Everything random comes from the request's seed.
     pub fn plan(&mut self, request: &Request, observer: &mut dyn Observer) -> Answer {
         let began = Instant::now();
+        if self.arm.set_loosely(false) {
+            self.begin_anew();
+        }
         let mut run = Run {
             random_roadmap: Xoshiro256PlusPlus::seed_from_u64(request.seed ^ 0x526f_6164),
             journey: Journey::new(request.seed),
@@ -302,6 +306,8 @@ impl Planner {
             // were left out, and as other motions may be found.
             if self.arm.hold_loosely() {
                 self.begin_anew();
+                run.journey.carried.clear();
+                self.arm.choose_stops();
             }
             self.graph.forget();
             direct = Direct::new(count, target, None);

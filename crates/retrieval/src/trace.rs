@@ -90,13 +90,8 @@ fn why_handled(arm: &Feasibility, removed: &[String], carried: &[Carried], has_g
     let objects = removed.iter().enumerate().map(|(i, name)| {
         let (reason, blocked) = reason(name);
         let loosely = carried.iter().any(|c| c.step.object == *name && c.loosely);
-        ObjectWhy {
-            object: name.clone(),
-            order: i + 1,
-            reason: and_how_held(reason, loosely),
-            blocked,
-            ..ObjectWhy::default()
-        }
+        let why = ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..ObjectWhy::default() };
+        held(why, loosely)
     });
     let what = if has_goal {
         "The goal is reached".to_owned()
@@ -113,9 +108,10 @@ fn why_handled(arm: &Feasibility, removed: &[String], carried: &[Carried], has_g
     Why { summary, objects: objects.collect(), sides: Vec::new() }
 }
 
-/// A reason, and that the object may move in the hand, if so.
-fn and_how_held(reason: String, loosely: bool) -> String {
-    if loosely { reason + "; not held firmly: it may turn or slip in the hand" } else { reason }
+/// Tells of an object how it is held, if not firmly.
+fn held(why: ObjectWhy, loosely: bool) -> ObjectWhy {
+    let told = if loosely { "; not held firmly: it may turn or slip in the hand" } else { "" };
+    ObjectWhy { reason: why.reason + told, held_loosely: loosely, ..why }
 }
 
 /// Those of some objects that an object stands on.
@@ -274,8 +270,8 @@ fn why_solved(arm: &Feasibility, removed: &[ObjectId], carried: &[Carried]) -> W
             } else {
                 in_the_way(arm, object, &blocked)
             };
-            let reason = and_how_held(reason, carried.get(i).is_some_and(|c| c.loosely));
-            ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..learned(arm, object) }
+            let why = ObjectWhy { object: name.clone(), order: i + 1, reason, blocked, ..learned(arm, object) };
+            held(why, carried.get(i).is_some_and(|c| c.loosely))
         })
         .collect();
     let summary = if removed.len() == 1 {
@@ -312,7 +308,7 @@ fn why_not(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'
             let object = ObjectId(i as u16);
             let why = learned(arm, object);
             let reason = match (&why.blocked_by, Some(arm.all_ways(object).map(|w| w.ways.len()).sum::<usize>())) {
-                (_, Some(0)) => "no grasp leads to it, whatever is removed".to_owned(),
+                (_, Some(0)) => "no grasp that was tried leads to it, whatever is removed".to_owned(),
                 (by, _) if by.is_empty() => "it can be picked as things stand".to_owned(),
                 (by, _) => format!("one of these has to go first: {}", one_of(by, usize::MAX)),
             };

@@ -460,7 +460,10 @@ impl Explorer<'_> {
         let mut free: Vec<usize> = ways.free_now(removed).collect();
         let home = &self.world.model.robot.home;
         let from_home = |i: usize| ways.ways[i].postures.last().map_or(f64::INFINITY, |q| distance(q, home));
-        let key = |i: usize| (!ways.ways[i].clear, ways.ways[i].failures);
+        let key = |i: usize| {
+            let way = &ways.ways[i];
+            (!way.clear, way.failures, !ways.grasps[way.grasp].firm)
+        };
         free.sort_by(|&a, &b| key(a).cmp(&key(b)).then(from_home(a).total_cmp(&from_home(b))));
         free.truncate(most);
         Ok(free)

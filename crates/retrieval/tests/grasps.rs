@@ -7,7 +7,8 @@ use clearway_plan::event::Silent;
 use clearway_plan::plan_file::Status;
 use clearway_plan::{Budget, ObjectId};
 use clearway_retrieval::grasps::{Presets, declared, preset_grasps};
-use clearway_retrieval::planner::{Planner, Request, Settings};
+use clearway_retrieval::handling::Handling;
+use clearway_retrieval::planner::{Planner, Request, SceneDelta, Settings};
 use clearway_robot::Robot;
 use clearway_scene::Scene;
 use std::path::Path;
@@ -92,22 +93,58 @@ fn a_bottle_is_not_held_by_its_shoulder() {
     assert!(presets.askew > 0);
 }
 
+/// Across two corners a flat box is narrower turned one way: the fingers turn it, whatever else they meet.
+#[test]
+fn flat_boxes_are_not_held_across_their_corners() {
+    for (robot, size, yaw) in
+        [("panda", "0.069, 0.031", -0.151), ("panda", "0.07, 0.035", 0.3), ("ur10_ag95", "0.07, 0.035", 0.3)]
+    {
+        let (_, presets) = presets(
+            &arm(robot),
+            &format!("box: {{size: [{size}, 0.12]}}, position: [0.7, 0, 0.56], rpy: [0, 0, {yaw}]"),
+        );
+        assert!(!presets.grasps.is_empty() && presets.grasps.iter().all(|grasp| grasp.firm));
+        assert!(forwards(&presets).iter().all(|f| off_axis(*f) < 0.05), "{robot}: {:?}", forwards(&presets));
+    }
+}
+
+/// What nearly fills the open hand is dragged along when it leaves.
+#[test]
+fn the_hand_has_to_open_a_little() {
+    for (width, firm) in [(0.076, true), (0.079, false)] {
+        let (_, presets) =
+            presets(&arm("panda"), &format!("box: {{size: [{width}, {width}, 0.12]}}, position: [0.7, 0, 0.56]"));
+        assert!(!presets.grasps.is_empty() && presets.grasps.iter().all(|grasp| grasp.firm == firm), "{width}");
+    }
+}
+
+/// A box as deep as makes a difference, but for rounding: the grasps are the same whichever way it is turned.
+#[test]
+fn rounding_does_not_decide_how_many_grasps_there_are() {
+    let count = |yaw: f64| {
+        let thing = format!("box: {{size: [0.06, 0.06, 0.15]}}, position: [0.7, 0, 0.575], rpy: [0, 0, {yaw}]");
+        declared(&presets(&arm("ur10_ag95"), &thing).0, ObjectId(0)).len()
+    };
+    for step in 1..40 {
+        assert_eq!(count(0.7 + 0.0003 * f64::from(step)), count(0.7), "{step}");
+    }
+}
+
 /// No hold is firm: better a loose one than none.
 #[test]
 fn what_cannot_be_held_firmly_is_held_all_the_same() {
-    // A can lying on its side, as long as wide: the hand comes level and meets it round.
-    let can = "cylinder: {radius: 0.03, height: 0.1}, position: [0.7, 0, 0.53], rpy: [1.5707963, 0, 0]";
-    let (world, presets) = presets(&arm("panda"), can);
+    // Too wide for the hand both ways; a corner goes between the fingers.
+    let wide = "box: {size: [0.1, 0.12, 0.14]}, position: [0.7, 0, 0.57]";
+    let (world, presets) = presets(&arm("panda"), wide);
+    assert!(presets.askew == 0 && presets.grasps.iter().all(|grasp| !grasp.firm));
     let holding = declared(&world, ObjectId(0)).iter().filter(|(_, grasp)| grasp.is_some()).count();
-    assert!(!presets.grasps.is_empty() && presets.grasps.len() + presets.askew == holding);
+    assert!(!presets.grasps.is_empty() && presets.grasps.len() == holding);
 }
 
 /// A box stands cornerwise between walls that leave the hand one direction, or with room all round.
-#[test]
-fn a_loose_hold_is_the_last_resort_and_is_told() {
-    for (walls, loosely) in [(0.065, true), (0.4, false)] {
-        let text = format!(
-            "\
+fn cornerwise(walls: f64) -> Scene {
+    let text = format!(
+        "\
 format: clearway-scene/1
 robot: {{model: ur10_suction, base: {{position: [0, 0, 0]}}}}
 fixtures:
@@ -119,16 +156,29 @@ objects:
 target: thing
 place: [{{id: tray, size: [0.2, 0.2], position: [0.7, 0.6, 0.5]}}]
 "
-        );
-        let scene = Scene::from_text(Path::new("between.yaml"), &text).unwrap();
-        let mut planner = Planner::with_model(scene, arm("ur10_suction"), Settings::default()).unwrap();
+    );
+    Scene::from_text(Path::new("between.yaml"), &text).unwrap()
+}
+
+#[test]
+fn a_loose_hold_is_the_last_resort_and_is_told() {
+    // In one session: what one scene needs, the next need not.
+    let mut planner = Planner::with_model(cornerwise(0.4), arm("ur10_suction"), Settings::default()).unwrap();
+    for (walls, loosely) in [(0.065, true), (0.4, false), (0.065, true)] {
+        planner.update(SceneDelta::Scene(Box::new(cornerwise(walls)))).unwrap();
         let plan = planner.plan(&Request::new(0, Budget::unlimited().with_iterations(2000)), &mut Silent).plan;
         assert_eq!(plan.status, Status::Solved, "{walls}: {}", plan.why.summary);
-        assert_eq!(
-            plan.why.objects[0].reason.contains("not held firmly"),
-            loosely,
-            "{walls}: {}",
-            plan.why.objects[0].reason
-        );
+        let reason = &plan.why.objects[0].reason;
+        assert_eq!(reason.contains("not held firmly"), loosely, "{walls}: {reason}");
+        assert_eq!(plan.why.objects[0].held_loosely, loosely);
     }
+}
+
+/// A symbolic planner is given them all, the firm ones first.
+#[test]
+fn handling_gives_firm_holds_first() {
+    let mut handling = Handling::new(cornerwise(0.4), arm("ur10_suction"), Settings::default(), 0).unwrap();
+    let firm: Vec<bool> =
+        handling.grasps(ObjectId(0), &Budget::unlimited()).unwrap().iter().map(|grasp| grasp.firm).collect();
+    assert!(firm.contains(&true) && firm.contains(&false) && firm.is_sorted_by(|a, b| a >= b), "{firm:?}");
 }

@@ -5,7 +5,7 @@
 //! clutter; between there and the tray the arm is free to move (RRT-Connect). Every row of the
 //! result has been checked again with what was there at that time.
 
-mod motions;
+pub(crate) mod motions;
 pub mod push;
 pub(crate) mod put_down;
 pub mod relocate;
@@ -21,6 +21,7 @@ use clearway_plan::plan_file::{Action, Segment, Step};
 use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 use clearway_robot::InverseKinematics;
 use clearway_scene::Scene;
+use motions::AtEnds;
 use rand::Rng;
 use std::sync::Arc;
 
@@ -210,7 +211,12 @@ impl<R: Rng> Carrier<'_, R> {
                     path.extend(placement.transfer.iter().skip(1).cloned());
                     path.extend(placement.lower.iter().skip(1).cloned());
                     let moment = self.ready_to_carry(object, &carrying, &placement.held);
-                    let timed = attempt!(self.timed(&moment, &path, Some(self.settings.lower_from), "the transfer"));
+                    let timed = attempt!(self.timed(
+                        &moment,
+                        &path,
+                        AtEnds::Resting { within: self.settings.lower_from },
+                        "the transfer"
+                    ));
                     Brought {
                         across: vec![self.widened(timed)],
                         placement,
@@ -271,7 +277,7 @@ impl<R: Rng> Carrier<'_, R> {
             approach.placed = world.with_unseen(approach.placed, object);
         }
         approach.margin = self.settings.final_margin;
-        let there = attempt!(self.timed(&approach, &there, None, "the approach"));
+        let there = attempt!(self.timed(&approach, &there, AtEnds::Coming, "the approach"));
         Ok(Ok((there, approach)))
     }
 
@@ -308,7 +314,7 @@ impl<R: Rng> Carrier<'_, R> {
             ));
             back.extend(rest.into_iter().skip(1));
         }
-        let back = attempt!(self.timed(&leaving, &back, None, "the retreat"));
+        let back = attempt!(self.timed(&leaving, &back, AtEnds::Going, "the retreat"));
         after.posture = back.positions.last().cloned().unwrap_or(end);
         Ok(Ok(back))
     }

@@ -13,6 +13,30 @@ use rand::{Rng, RngExt};
 /// Corners rounded by so much of what goes: nearly the path itself.
 const HARDLY_ROUND: f64 = 0.2;
 
+/// What a motion may be nearer to at its ends than between.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum AtEnds {
+    Nothing,
+    /// What is held may rest on what carries it, by this much of the tool's way.
+    Resting {
+        within: f64,
+    },
+    /// The hand comes to what it grips, or leaves it: the last standoff, or the first.
+    Coming,
+    Going,
+}
+
+impl AtEnds {
+    /// As a moment is near the ends, and between.
+    fn moments(self, moment: &Moment) -> (Moment, Moment) {
+        match self {
+            Self::Nothing => (moment.clone(), moment.clone()),
+            Self::Resting { .. } => (Moment { resting: true, ..moment.clone() }, moment.clone()),
+            Self::Coming | Self::Going => (moment.clone(), Moment { gripping: None, ..moment.clone() }),
+        }
+    }
+}
+
 impl<R: Rng> Carrier<'_, R> {
     /// What the hand touches while it turns from where a moment has it to another value: fingers may
     /// swing outwards on their way.
@@ -83,20 +107,12 @@ impl<R: Rng> Carrier<'_, R> {
         }
     }
 
-    /// Smooths and times a path, and checks every row. `resting_within`: near the path's ends, by
-    /// this much of the tool's way, what is held may rest on what carries it.
-    pub(crate) fn timed(
-        &mut self,
-        moment: &Moment,
-        path: &Path,
-        resting_within: Option<f64>,
-        what: &'static str,
-    ) -> Attempt<Timed> {
+    /// Smooths and times a path, and checks every row.
+    pub(crate) fn timed(&mut self, moment: &Moment, path: &Path, ends: AtEnds, what: &'static str) -> Attempt<Timed> {
         let limits = self.limits(1.0);
-        let mut lenient = moment.clone();
-        lenient.resting = resting_within.is_some();
-        let mut strict = Space::quick(self.world, moment, self.settings.final_step);
-        let mut resting = Space::quick(self.world, &lenient, self.settings.final_step);
+        let (lenient, strict) = ends.moments(moment);
+        let mut at_ends = Space::quick(self.world, &lenient, self.settings.final_step);
+        let mut between = Space::quick(self.world, &strict, self.settings.final_step);
         let mut failed = (false, Vec::new());
         // As round as can be; where that touches something, only as round as is free; where that rubs on what carries
         // the object, hardly round.
@@ -112,40 +128,47 @@ impl<R: Rng> Carrier<'_, R> {
             if rows.len() < 2 {
                 return obstructed(what, ObjectSet::EMPTY);
             }
-            let (from, to) = self.resting_rows(moment, rows, resting_within);
+            let (from, to) = self.rows_between(ends, moment, rows);
             let parts = [(true, 0..=from), (false, from..=to), (true, to..=rows.len() - 1)];
-            let touches = parts.into_iter().find(|(rests, part)| {
-                let space = if *rests { &mut resting } else { &mut strict };
+            let touches = parts.into_iter().filter(|(_, part)| part.start() < part.end()).find(|(end, part)| {
+                let space = if *end { &mut at_ends } else { &mut between };
                 !space.rows_free(&rows[part.clone()])
             });
             match touches {
                 None => return Ok(Ok(timed)),
-                Some((rests, part)) => failed = (rests, rows[part].to_vec()),
+                Some((end, part)) => failed = (end, rows[part].to_vec()),
             }
         }
         // What is grazed between shows only when looked at finely, which takes long.
-        let (rests, rows) = failed;
-        let (moment, fine) = if rests { (&lenient, &mut resting) } else { (moment, &mut strict) };
-        let blamed = match Space::quick(self.world, moment, self.settings.step).path_touched(&rows) {
+        let (end, rows) = failed;
+        let (touching, fine) = if end { (&lenient, &mut at_ends) } else { (&strict, &mut between) };
+        let mut blamed = match Space::quick(self.world, touching, self.settings.step).path_touched(&rows) {
             Some(touched) if touched.is_empty() => fine.path_touched(&rows).unwrap_or_default(),
             touched => touched.unwrap_or_default(),
         };
+        moment.gripping.into_iter().for_each(|object| blamed.remove(object));
         obstructed(what, blamed)
     }
 
-    /// The rows between which what is held is off what carries it: near both ends of a motion it may
-    /// rest, as long as it is no higher than it is lifted there, or lowered.
-    fn resting_rows(&self, moment: &Moment, rows: &[Posture], resting_within: Option<f64>) -> (usize, usize) {
-        let Some(reach) = resting_within else { return (0, rows.len() - 1) };
+    /// The first and the last row of a motion at which it is no longer near its ends.
+    fn rows_between(&self, ends: AtEnds, moment: &Moment, rows: &[Posture]) -> (usize, usize) {
+        let end = rows.len() - 1;
         let tool = |q: &Posture| self.world.model.kinematics.tool(q, moment.hand).translation;
-        let (first, last) = (tool(&rows[0]), tool(&rows[rows.len() - 1]));
-        let low = |q: &Posture, end: Vec3| {
-            let off = tool(q) - end;
-            off.dot(self.world.up()).abs() < self.settings.resting && off.length() < reach
-        };
-        let from = rows.iter().position(|q| !low(q, first)).unwrap_or(rows.len() - 1);
-        let to = rows.iter().rposition(|q| !low(q, last)).unwrap_or(from).max(from);
-        (from, to)
+        let (first, last) = (tool(&rows[0]), tool(&rows[end]));
+        match ends {
+            AtEnds::Nothing => (0, end),
+            AtEnds::Resting { within } => {
+                let low = |q: &Posture, end: Vec3| {
+                    let off = tool(q) - end;
+                    off.dot(self.world.up()).abs() < self.settings.resting && off.length() < within
+                };
+                let from = rows.iter().position(|q| !low(q, first)).unwrap_or(end);
+                let to = rows.iter().rposition(|q| !low(q, last)).unwrap_or(from).max(from);
+                (from, to)
+            }
+            AtEnds::Coming => (0, self.comes_near(rows).unwrap_or(0)),
+            AtEnds::Going => (self.is_gone(rows).unwrap_or(end), end),
+        }
     }
 
     /// A free motion with the object in hand: level if one is found soon, otherwise any.

@@ -23,8 +23,8 @@ pub(crate) struct Placement {
 }
 
 impl<R: Rng> Carrier<'_, R> {
-    /// Finds a spot that the hand can reach with the object, along a way out, and leave without it: all that in less
-    /// than `left` seconds, as far as can be told before there is a motion.
+    /// Finds a spot that the hand can reach with the object, along a way out, and leave without it. Given up
+    /// where the first one surely takes `left` seconds.
     pub(crate) fn place(
         &mut self,
         object: ObjectId,

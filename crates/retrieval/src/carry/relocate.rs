@@ -1,6 +1,7 @@
 //! An object brought from where it stands, wherever that is, to a given pose: out along one way, in along
 //! another, and the hand back out along that.
 
+use super::motions::AtEnds;
 use super::{Attempt, Carried, Carrier, Situation, attempt, obstructed};
 use crate::grasps::Grasp;
 use crate::ways::Way;
@@ -48,8 +49,12 @@ impl<R: Rng> Carrier<'_, R> {
             held.objects_below = held.objects_below.union(placed.collect());
         }
         let moment = self.finished(Moment { held: Some(held), ..carrying });
-        let across =
-            attempt!(self.timed(&moment, &path, Some(self.settings.lower_from), "the motion with the object in hand"));
+        let across = attempt!(self.timed(
+            &moment,
+            &path,
+            AtEnds::Resting { within: self.settings.lower_from },
+            "the motion with the object in hand"
+        ));
 
         let mut after = others;
         after.placed.push((object, world.world_from_root * to));

@@ -51,9 +51,7 @@ impl<R: Rng> Carrier<'_, R> {
 
     /// To an object with the hand open: the last of it is the approach.
     pub(crate) fn coming_segments(&self, there: Timed) -> Vec<Segment> {
-        let (tool, standoff) = (self.tool_position(), self.world.model.robot.grasps.standoff);
-        let end = there.positions.last().map_or(Vec3::ZERO, &tool);
-        let begins = there.positions.iter().rposition(|q| tool(q).distance(end) > standoff);
+        let begins = self.comes_near(&there.positions);
         let (transit, approach) = split(there, begins);
         let transit = transit.map(|t| self.empty_handed(SegmentKind::Transit, t));
         transit.into_iter().chain(approach.map(|t| self.empty_handed(SegmentKind::Approach, t))).collect()
@@ -61,12 +59,24 @@ impl<R: Rng> Carrier<'_, R> {
 
     /// Away from an object with the hand open: the first of it is the retreat.
     pub(crate) fn going_segments(&self, back: Timed) -> Vec<Segment> {
-        let (tool, standoff) = (self.tool_position(), self.world.model.robot.grasps.standoff);
-        let start = back.positions.first().map_or(Vec3::ZERO, &tool);
-        let ends = back.positions.iter().position(|q| tool(q).distance(start) >= standoff - 1e-6);
+        let ends = self.is_gone(&back.positions);
         let (retreat, rest) = split(back, ends);
         let retreat = retreat.map(|t| self.empty_handed(SegmentKind::Retreat, t));
         retreat.into_iter().chain(rest.map(|t| self.empty_handed(SegmentKind::Transit, t))).collect()
+    }
+
+    /// The row at which a motion to an object has only the standoff left, if it has more before.
+    pub(crate) fn comes_near(&self, rows: &[Posture]) -> Option<usize> {
+        let (tool, standoff) = (self.tool_position(), self.world.model.robot.grasps.standoff);
+        let end = rows.last().map_or(Vec3::ZERO, &tool);
+        rows.iter().rposition(|q| tool(q).distance(end) > standoff)
+    }
+
+    /// The row at which a motion away from an object has left it by the standoff, if it ever does.
+    pub(crate) fn is_gone(&self, rows: &[Posture]) -> Option<usize> {
+        let (tool, standoff) = (self.tool_position(), self.world.model.robot.grasps.standoff);
+        let start = rows.first().map_or(Vec3::ZERO, &tool);
+        rows.iter().position(|q| tool(q).distance(start) >= standoff - 1e-6)
     }
 
     /// A motion with the hand open and nothing in it.

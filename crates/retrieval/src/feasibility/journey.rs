@@ -146,7 +146,8 @@ impl Feasibility {
         }
     }
 
-    /// The first of some objects pushed aside, so that the others can be taken, or picked and put down.
+    /// The first of some objects pushed aside, so that the others can be taken, or picked and put down. The pick is
+    /// looked at along its first way, and to the first spot, before it is given up as slower.
     fn push_or_carry(
         &mut self,
         objects: &[ObjectId],

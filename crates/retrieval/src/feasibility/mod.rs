@@ -321,7 +321,19 @@ impl Feasibility {
         if self.settings.loosely || all().all(|ways| ways.counts.askew == 0) {
             return false;
         }
-        self.settings.loosely = true;
+        self.set_loosely(true)
+    }
+
+    /// Whether that changes anything; if so, where the robot could stand is chosen anew, too.
+    pub(crate) fn set_loosely(&mut self, loosely: bool) -> bool {
+        if self.settings.loosely == loosely {
+            return false;
+        }
+        self.settings.loosely = loosely;
+        if let Some(base) = &mut self.base {
+            base.chosen = false;
+            self.stands.truncate(1);
+        }
         self.stands.iter_mut().for_each(|s| s.ways.fill(None));
         true
     }

@@ -15,7 +15,7 @@ impl Feasibility {
         let Some((base, standing)) = chosen.and_then(|base| Some((base, base.model.standing.as_ref()?))) else {
             return Vec::new();
         };
-        let served = Served::of(&self.scene, &self.stands[0].world);
+        let served = Served::of(&self.scene, &self.stands[0].world, self.settings.loosely);
         base.sides(&standing.model.robot.home, &served, &standing.reachability)
     }
 
@@ -24,7 +24,7 @@ impl Feasibility {
         let Some(base) = self.base.as_mut().filter(|base| !base.chosen && base.settings.drives) else { return };
         let Some(standing) = base.model.standing.clone() else { return };
         base.chosen = true;
-        let served = Served::of(&self.scene, &self.stands[0].world);
+        let served = Served::of(&self.scene, &self.stands[0].world, self.settings.loosely);
         let home = &standing.model.robot.home;
         let (stops, sides) = mobile::choose(base, &self.scene, &served, &standing.reachability, home);
         base.sides = sides;

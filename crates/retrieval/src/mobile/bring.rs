@@ -1,6 +1,7 @@
 //! Bringing what was taken to another stand, where nothing could be put down at this one.
 
 use super::Base;
+use crate::carry::motions::AtEnds;
 use crate::carry::put_down::Placement;
 use crate::carry::{Attempt, Carrier, Obstruction, Situation, attempt};
 use crate::grasps::Grasp;
@@ -95,10 +96,11 @@ impl<R: Rng> Carrier<'_, R> {
                             continue;
                         }
                     };
+                let resting = AtEnds::Resting { within: self.settings.lower_from };
                 let lifting = self.ready_to_carry(object, &hanging, &held);
                 let mut path = way.postures.clone();
                 path.extend(out.drain(1..));
-                let out = attempt!(self.timed(&lifting, &path, Some(self.settings.lower_from), "the transfer"));
+                let out = attempt!(self.timed(&lifting, &path, resting, "the transfer"));
                 let out = self.widened(out);
                 let mut lowering = carrying.clone();
                 lowering.held = Some(placement.held.clone());
@@ -107,9 +109,8 @@ impl<R: Rng> Carrier<'_, R> {
                 let mut path = placement.transfer.clone();
                 path.extend(placement.lower.iter().skip(1).cloned());
                 let base: Vec<f64> = drive.positions.last().map_or(Vec::new(), |row| row[..self.base.len()].to_vec());
-                let lower_from = Some(self.settings.lower_from);
                 let mut other = self.at(there, base.clone());
-                let down = attempt!(other.timed(&lowering, &path, lower_from, "the transfer"));
+                let down = attempt!(other.timed(&lowering, &path, resting, "the transfer"));
                 let down = other.widened(down);
                 return Ok(Ok(Brought { across: vec![out, drive, down], placement, stand, base }));
             }
@@ -181,7 +182,7 @@ impl<R: Rng> Carrier<'_, R> {
             "the motion home, for driving"
         ));
         free.margin = self.settings.final_margin;
-        let timed = attempt!(self.timed(&free, &path, None, "the motion home, for driving"));
+        let timed = attempt!(self.timed(&free, &path, AtEnds::Nothing, "the motion home, for driving"));
         Ok(Ok(vec![self.transit(timed)]))
     }
 }

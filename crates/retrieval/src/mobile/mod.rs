@@ -16,6 +16,7 @@ pub(crate) mod bring;
 pub mod itinerary;
 mod stops;
 
+use crate::carry::motions::AtEnds;
 use crate::carry::{Attempt, Carrier, Situation, obstructed};
 use crate::feasibility::Unfit;
 use crate::grasps::Grasp;
@@ -242,7 +243,7 @@ impl Base {
             match driver.free_motion(&moment, &start, std::slice::from_ref(&goal), WHAT)? {
                 Ok(path) => {
                     (moment.margin, moment.held_margin) = (settings.final_margin, settings.final_margin);
-                    return driver.timed(&moment, &path, None, WHAT);
+                    return driver.timed(&moment, &path, AtEnds::Nothing, WHAT);
                 }
                 Err(obstruction) => failed = Some(obstruction),
             }

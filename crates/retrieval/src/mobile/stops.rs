@@ -79,13 +79,13 @@ pub struct Served {
 }
 
 impl Served {
-    pub fn of(scene: &Scene, world: &World) -> Self {
+    pub fn of(scene: &Scene, world: &World, loosely: bool) -> Self {
         let mut errands = Vec::new();
         let mut groups = 0;
         for index in 0..scene.objects.len() {
             let object = ObjectId(index as u16);
             let is_target = object == scene.target;
-            let grasps = preset_grasps(world, object, false).grasps;
+            let grasps = preset_grasps(world, object, loosely).grasps;
             let step = if is_target { 1 } else { grasps.len().div_ceil(GRASPS).max(1) };
             let weight = if is_target { TARGET } else { 1.0 };
             for grasp in grasps.iter().step_by(step) {
@@ -101,7 +101,7 @@ impl Served {
         // Spots, spread over the places; the target stands for what is put down.
         let places = groups;
         let target = &scene.objects[scene.target.index()];
-        let grasps = preset_grasps(world, scene.target, false).grasps;
+        let grasps = preset_grasps(world, scene.target, loosely).grasps;
         let step = grasps.len().div_ceil(GRASPS).max(1);
         for index in 0..scene.places.len() {
             let spots: Vec<Spot> = place::spots(&scene.places[index..=index], Vec2::ZERO);

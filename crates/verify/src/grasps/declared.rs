@@ -12,6 +12,8 @@ const DEEP_BOX: f64 = 0.06;
 const PAD: f64 = 0.02;
 /// How far from upright a box's side may be: the sine of the angle.
 const UPRIGHT: f64 = 0.01;
+/// What is deep by rounding alone is not, metres.
+const ROUNDING: f64 = 1e-6;
 /// Directions closer than this are one, radians.
 const SAME: f64 = 1e-6;
 
@@ -32,7 +34,7 @@ pub(super) fn declared(grasps: &Grasps, pieces: &[Piece], world_from_object: &Po
             let (low, high) = extent(pieces, &world_from_hand.inv_mul(world_from_object));
             let middle = (low + high) / 2.0;
             let up = low.y + height * (high.y - low.y);
-            let deep = (high.z - low.z > deeper).then_some(low.z + PAD);
+            let deep = (high.z - low.z > deeper + ROUNDING).then_some(low.z + PAD);
             for forward in [Some(middle.z), deep].into_iter().flatten() {
                 let at = Pose::from_translation(Vector::new(middle.x, up, forward));
                 poses.push(world_from_object.inv_mul(&(world_from_hand * at)));
