@@ -20,17 +20,17 @@ fn distinct(path: &Path) -> Path {
     path
 }
 
-/// Every corner is rounded as widely as possible, and less where the rounding would touch
+/// Every corner is rounded by a part of what goes, as in [`rounded`], and less where the rounding would touch
 /// something. Rounding one corner changes the curve within its width only, and is checked there
 /// with all that was rounded before it.
-pub fn smooth(space: &mut Space, path: &Path) -> Curve {
+pub fn smooth(space: &mut Space, path: &Path, part: f64) -> Curve {
     const PARTS: usize = 24;
     let path = distinct(path);
     let corners = Corners::of(&path);
     let widest = corners.widest();
     let mut widths = vec![0.0; path.len()];
     for i in 0..path.len() {
-        widths[i] = widest[i];
+        widths[i] = part * widest[i];
         while widths[i] > 0.0 {
             let waypoint = &path[i];
             let off: Vec<f64> = waypoint.iter().zip(corners.off(i, widths[i])).map(|(q, o)| q + o).collect();

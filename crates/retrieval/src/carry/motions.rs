@@ -10,6 +10,8 @@ use clearway_motion::{
 use clearway_plan::{ObjectSet, Stop};
 use rand::{Rng, RngExt};
 
+/// What takes so many times as long as with its corners as round as can be is given up: another way may do.
+const DAWDLES: f64 = 1.3;
 /// Corners rounded by so much of what goes: nearly the path itself.
 const HARDLY_ROUND: f64 = 0.2;
 
@@ -113,14 +115,15 @@ impl<R: Rng> Carrier<'_, R> {
         let (lenient, strict) = ends.moments(moment);
         let mut at_ends = Space::quick(self.world, &lenient, self.settings.final_step);
         let mut between = Space::quick(self.world, &strict, self.settings.final_step);
-        let mut failed = (false, Vec::new());
-        // As round as can be; where that touches something, only as round as is free; where that rubs on what carries
-        // the object, hardly round.
-        for attempt in 0..3 {
+        let (mut roundest, mut failed) = (f64::INFINITY, (false, Vec::new()));
+        // As round as can be; where that touches something, only as round as is free; half as round, and free of what
+        // the ends may touch, too; hardly round.
+        for attempt in 0..4 {
             self.budget.check()?;
             let curve = match attempt {
                 0 => rounded(path, 1.0),
-                1 => smooth(&mut Space::quick(self.world, &lenient, self.settings.step), path),
+                1 => smooth(&mut Space::quick(self.world, &lenient, self.settings.step), path, 1.0),
+                2 => smooth(&mut Space::quick(self.world, &strict, self.settings.step), path, 0.5),
                 _ => rounded(path, HARDLY_ROUND),
             };
             let timed = time_curve(&curve, &limits, self.settings.row);
@@ -134,7 +137,9 @@ impl<R: Rng> Carrier<'_, R> {
                 let space = if *end { &mut at_ends } else { &mut between };
                 !space.rows_free(&rows[part.clone()])
             });
+            roundest = roundest.min(timed.duration());
             match touches {
+                None if timed.duration() > DAWDLES * roundest => return obstructed(what, ObjectSet::EMPTY),
                 None => return Ok(Ok(timed)),
                 Some((end, part)) => failed = (end, rows[part].to_vec()),
             }
