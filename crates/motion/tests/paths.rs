@@ -43,7 +43,7 @@ fn paths_are_free_and_timed_within_limits() {
         assert!(distance(&path[0], &start) < 1e-12 && distance(&path[path.len() - 1], &goal) < 1e-12);
         let shorter = shorten(&mut space, path.clone(), 20, &mut random, &budget).unwrap();
         assert!(length(&shorter) <= length(&path) + 1e-9);
-        let timed = time_curve(&smooth(&mut space, &shorter), &limits, 0.02);
+        let timed = time_curve(&smooth(&mut space, &shorter, 1.0), &limits, 0.02);
         assert!(distance(&timed.positions[0], &start) < 1e-9);
         assert!(distance(&timed.positions[timed.positions.len() - 1], &goal) < 1e-9);
         // Half a millimetre of the margin may be lost between the checks, not all of it.
