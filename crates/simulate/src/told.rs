@@ -60,11 +60,17 @@ fn told_hold(f: &mut fmt::Formatter<'_>, hold: &Hold) -> fmt::Result {
     }
 }
 
+/// What falls farther has missed everything, metres.
+const BOTTOMLESS: f64 = 5.0;
+
 impl fmt::Display for End {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let became = if self.fallen { "fell" } else { "is elsewhere" };
         let place = if self.moved { "where it was to be put" } else { "where it stood" };
         let Self { object, level, distance, tilt, .. } = self;
+        if self.fallen && *distance > BOTTOMLESS {
+            return write!(f, "{object} fell, and met nothing below");
+        }
         write!(
             f,
             "{object} {became}: {:.1} mm from {place} ({:.1} mm level), tilted {tilt:.1}°",
