@@ -6,7 +6,7 @@ use crate::clearance::Clearance;
 use crate::number_or::{NumberOr, number_or};
 use crate::push::Push;
 use crate::robot_file::Grasps;
-use crate::scene_file::SceneFile;
+use crate::scene_file::{Assumed, SceneFile};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
@@ -26,6 +26,9 @@ pub struct PlanFile {
     pub seed: u64,
     /// The scene file's content, defaults filled in, supports snapped.
     pub scene: SceneFile,
+    /// What was filled in for want of better knowledge.
+    #[serde(default, skip_serializing_if = "Assumed::is_nothing", deserialize_with = "null_is_default")]
+    pub assumed: Assumed,
     pub robot: PlannedRobot,
     /// The objects removed, in order; the target is the last.
     #[serde(default, deserialize_with = "null_is_default")]
@@ -89,6 +92,7 @@ impl PlanFile {
             status: Status::OutOfBudget,
             seed: 0,
             scene,
+            assumed: Assumed::default(),
             robot: PlannedRobot::default(),
             removed: Vec::new(),
             goal: None,

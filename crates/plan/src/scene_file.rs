@@ -56,6 +56,21 @@ pub const FRICTION: f64 = 0.4;
 /// Of objects whose mass is not given, kg/m³ of their shape: bottles and boxes partly filled.
 pub const DENSITY: f64 = 500.0;
 
+/// The objects for which the scene file gives no mass or no friction: the defaults above are filled in.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Assumed {
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mass: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub friction: Vec<String>,
+}
+
+impl Assumed {
+    pub fn is_nothing(&self) -> bool {
+        self.mass.is_empty() && self.friction.is_empty()
+    }
+}
+
 /// What a plan with a mobile base costs: the least sum is looked for. By default removals count first,
 /// then moves of the base, then time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -143,6 +143,7 @@ fn without_steps(arm: &Feasibility, status: Status) -> PlanFile {
         status,
         seed: 0,
         scene: arm.scene.file.clone(),
+        assumed: arm.scene.assumed.clone(),
         robot: planned_robot(arm.robot(), &arm.model().unchecked, &arm.scene),
         removed: Vec::new(),
         goal: None,

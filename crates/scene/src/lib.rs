@@ -32,7 +32,7 @@ pub use standing::TOUCH;
 
 use clearway_files::{FileError, Limits, read_text, yaml};
 use clearway_geometry::{Mass, Pose, Solid, Vec2, Vec3};
-use clearway_plan::scene_file::FORMAT;
+use clearway_plan::scene_file::{Assumed, FORMAT};
 use clearway_plan::{ObjectId, ObjectSet, SceneFile};
 use source::Source;
 use std::path::{Path, PathBuf};
@@ -54,6 +54,8 @@ pub const MAX_OBJECT_PARTS: usize = 4096;
 pub struct Scene {
     /// What was read, defaults filled in and supports snapped: what goes into a plan file.
     pub file: SceneFile,
+    /// Which masses and frictions the file did not give.
+    pub assumed: Assumed,
     /// Where relative paths start.
     pub directory: PathBuf,
     /// The objects' ids as written, by [`ObjectId`].
@@ -185,7 +187,7 @@ impl Scene {
         for (written, settled) in file.objects.iter_mut().zip(&bodies) {
             written.position[2] = settled.pose.translation.z;
         }
-        physics::fill_in(&mut file, bodies.iter().map(|b| b.mass));
+        let assumed = physics::fill_in(&mut file, bodies.iter().map(|b| b.mass));
         let objects = bodies
             .into_iter()
             .zip(supports)
@@ -199,6 +201,7 @@ impl Scene {
         let names = objects.iter().map(|o| o.id.clone()).collect();
         Ok(Scene {
             file,
+            assumed,
             directory: directory.to_owned(),
             names,
             objects,

@@ -8,6 +8,8 @@ const FARTHEST: f64 = 10_000.0;
 /// Metres that something can measure, from a micrometre.
 const LARGEST: f64 = 1_000.0;
 const SMALLEST: f64 = 1e-6;
+/// Radians: two turns, which angles in degrees soon exceed.
+const WIDEST: f64 = 4.0 * std::f64::consts::PI;
 
 /// The length, radius or height at `keys`, which has to be a size that things have.
 pub(crate) fn size(source: &Source, keys: &str, what: &str, value: f64) -> Result<f64, FileError> {
@@ -40,6 +42,18 @@ pub(crate) fn coordinates<const N: usize>(
         }
     }
     Ok(())
+}
+
+/// The angles at `keys`, radians.
+pub(crate) fn angles(source: &Source, keys: &str, what: &str, values: &[f64]) -> Result<(), FileError> {
+    finite(source, keys, what, values)?;
+    match values.iter().position(|v| v.abs() > WIDEST) {
+        None => Ok(()),
+        Some(i) => Err(source
+            .error(&format!("{keys}.{i}"), format!("{what} holds {}", shown(values[i])))
+            .expected("radians, two turns at most")
+            .help("90° are 1.5708")),
+    }
 }
 
 /// As a person would write it: not three hundred digits.

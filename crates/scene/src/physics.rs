@@ -5,7 +5,7 @@ use crate::source::Source;
 use clearway_files::{FileError, quoted};
 use clearway_geometry::Mass;
 use clearway_plan::SceneFile;
-use clearway_plan::scene_file::{Body, DENSITY, FRICTION};
+use clearway_plan::scene_file::{Assumed, Body, DENSITY, FRICTION};
 use std::ops::RangeInclusive;
 
 /// Coefficients of friction, from ice on ice to soft rubber.
@@ -71,8 +71,14 @@ fn number(
     }
 }
 
-/// Fills in what the file leaves out; `mass`: at density 1.
-pub(crate) fn fill_in(file: &mut SceneFile, masses: impl IntoIterator<Item = Mass>) {
+/// Fills in what the file leaves out, and says for which objects; `masses`: at density 1.
+pub(crate) fn fill_in(file: &mut SceneFile, masses: impl IntoIterator<Item = Mass>) -> Assumed {
+    let without =
+        |given: &dyn Fn(&Body) -> bool| file.objects.iter().filter(|o| !given(o)).map(|o| o.id.clone()).collect();
+    let assumed = Assumed {
+        mass: without(&|o| o.mass.is_some()),
+        friction: without(&|o| o.friction.or(file.friction).is_some()),
+    };
     let friction = *file.friction.get_or_insert(FRICTION);
     file.clearance.get_or_insert(0.0);
     for (object, mass) in file.objects.iter_mut().zip(masses) {
@@ -80,4 +86,5 @@ pub(crate) fn fill_in(file: &mut SceneFile, masses: impl IntoIterator<Item = Mas
         // To a tenth of a gram, as people write it.
         object.mass.get_or_insert(((DENSITY * mass.volume * 1e4).round() / 1e4).clamp(*MASSES.start(), *MASSES.end()));
     }
+    assumed
 }

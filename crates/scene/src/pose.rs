@@ -27,7 +27,7 @@ pub(crate) fn read(
             .help("delete one of them")),
         (None, None) => Ok(Pose::from_translation(translation)),
         (Some(rpy), None) => {
-            numbers::finite(source, &format!("{keys}.rpy"), "rpy", &rpy)?;
+            numbers::angles(source, &format!("{keys}.rpy"), "rpy", &rpy)?;
             Ok(Pose::from_rpy(rpy, translation))
         }
         (None, Some(q)) => {

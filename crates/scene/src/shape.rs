@@ -11,6 +11,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// Metres; what is larger was measured in other units.
+const LONGEST_MOVED: f64 = 10.0;
+
 /// Which shapes a body may have depends on what it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
@@ -120,8 +123,18 @@ impl<'a> Reader<'a> {
                 .help("only fixtures can be `points`: give the object's shape, or list it under `fixtures`"));
         }
         let parts = self.shape(keys, &whose, &key)?;
+        let solid = Solid { parts };
         if role.moves() {
-            self.object_parts += parts.len();
+            let (low, high) = solid.aabb(Pose::IDENTITY);
+            let longest = (high - low).max_element();
+            if longest > LONGEST_MOVED {
+                return Err(self
+                    .source
+                    .error(&format!("{keys}.{}", key.name()), format!("{whose} measures {} m", numbers::shown(longest)))
+                    .expected(format!("at most {LONGEST_MOVED} m of what is moved"))
+                    .help("lengths are in metres; a mesh in millimetres has the scale 0.001"));
+            }
+            self.object_parts += solid.parts.len();
             if self.object_parts > MAX_OBJECT_PARTS {
                 return Err(self
                     .source
@@ -132,7 +145,7 @@ impl<'a> Reader<'a> {
                     .help("use simplified collision meshes"));
             }
         }
-        Ok((Solid { parts }, pose))
+        Ok((solid, pose))
     }
 
     /// Exactly one shape key.

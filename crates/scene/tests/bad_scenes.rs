@@ -107,6 +107,12 @@ fn sizes() {
         (14, 22),
         &["is 2000, expected at most 1000 m", "lengths are in metres"],
     );
+    refused(
+        "o1, cylinder: {radius: 0.04, height: 0.26}",
+        "o1, cylinder: {radius: 40, height: 260}",
+        (10, 24),
+        &["object `o1` measures 260 m, expected at most 10 m of what is moved", "lengths are in metres"],
+    );
     refused("size: [0.5, 0.8]", "size: [0.5, 0]", (18, 28), &["a place's size is 0"]);
     refused("size: [0.5, 0.8]", "size: [0.5]", (18, 16), &["found 1 item"]);
     refused(
@@ -163,6 +169,8 @@ fn defaults_of_mass_and_friction() {
     // π · 0.04² · 0.26 m³ at 500 kg/m³.
     assert_eq!(of(1), (0.6535, 0.3));
     assert_eq!(of(2), (0.36, 0.3));
+    assert_eq!((&scene.assumed.mass[..], &scene.assumed.friction[..]), (&["o2".into(), "o3".into()][..], &[][..]));
+    assert_eq!(read(GOOD).unwrap().assumed.friction.len(), 3);
     assert_eq!((scene.file.clearance, read(GOOD).unwrap().file.friction), (Some(0.0), Some(0.4)));
 }
 
@@ -176,6 +184,7 @@ fn poses() {
         &["position holds 1e300, expected coordinates within 10 km"],
     );
     refused("rpy: [0, 0, 0]", "rpy: [0, .inf, 0]", (5, 42), &["rpy holds inf"]);
+    refused("rpy: [0, 0, 0]", "rpy: [0, 0, -90]", (5, 45), &["rpy holds -90, expected radians", "90° are 1.5708"]);
     refused(
         "rpy: [0, 0, 0]",
         "rpy: [0, 0, 0], quaternion: [0, 0, 0, 1]",

@@ -16,7 +16,7 @@ pub(crate) struct Object {
     /// Kilograms.
     pub mass: f64,
     pub friction: f64,
-    /// The scene gives neither its mass nor a density.
+    /// What of it the scene file did not give.
     pub assumed: Assumed,
 }
 
@@ -36,7 +36,11 @@ pub(crate) fn objects(plan: &PlanFile, played: &Played) -> Result<Vec<Object>, C
                     return Err(CannotSimulate::Object { object: thing.id.clone(), what });
                 }
             }
-            let assumed = Assumed { mass: body.mass.is_none(), friction: body.friction.is_none() && of_all.is_none() };
+            let told = |ids: &[String]| ids.contains(&body.id);
+            let assumed = Assumed {
+                mass: body.mass.is_none() || told(&plan.assumed.mass),
+                friction: body.friction.or(of_all).is_none() || told(&plan.assumed.friction),
+            };
             let shapes = thing.shapes.clone();
             Ok(Object { shapes, world_from_object: thing.world_from_body, mass, friction, assumed })
         })

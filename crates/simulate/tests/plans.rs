@@ -22,6 +22,21 @@ fn a_plan_that_is_right_ends_as_planned() {
     }
 }
 
+/// A planner fills in what the scene leaves out, and says so.
+#[test]
+fn what_was_filled_in_is_told() {
+    let mut plan = pick(Vec::new());
+    for object in &mut plan.scene.objects {
+        (object.mass, object.friction) = (Some(0.2), Some(0.4));
+    }
+    assert!(!played(&plan, &Settings::default()).to_string().contains("assumed"));
+    plan.assumed.mass = vec!["o".to_owned()];
+    plan.assumed.friction = plan.scene.objects.iter().map(|o| o.id.clone()).collect();
+    let outcome = played(&plan, &Settings::default()).to_string();
+    assert!(outcome.contains("assumed: 500 kg/m³ for o\n"), "{outcome}");
+    assert!(outcome.contains("assumed: friction 0.4 for all objects"), "{outcome}");
+}
+
 #[test]
 fn without_friction_it_stays_behind() {
     let mut plan = pick(Vec::new());

@@ -1,7 +1,8 @@
 //! What a run tells: progress while it runs, a summary at the end.
 
 use clearway::{Event, Observer, PlanFile, Report};
-use clearway_plan::plan_file::Status;
+use clearway_plan::plan_file::{Action, Status};
+use clearway_plan::scene_file::FRICTION;
 use serde_json::{Value, json};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -92,6 +93,7 @@ pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> Stri
             1 => out += "  the base moves once\n",
             n => out += &format!("  the base moves {n} times\n"),
         }
+        out += &assumed(plan);
         out += &format!("  verified: no violations{}\n", clearance(plan));
     } else {
         out += &super::explain::some_objects(plan);
@@ -102,6 +104,16 @@ pub fn text(plan: &PlanFile, output: Option<&Path>, html: Option<&Path>) -> Stri
         }
     }
     out
+}
+
+/// The friction that pushes rest upon, where the scene does not give it.
+fn assumed(plan: &PlanFile) -> String {
+    let pushed = plan.steps.iter().filter(|s| s.action == Action::Push).map(|s| s.object.as_str());
+    let assumed: Vec<&str> = pushed.filter(|id| plan.assumed.friction.iter().any(|a| a == id)).collect();
+    if assumed.is_empty() {
+        return String::new();
+    }
+    format!("  assumed for the pushes: friction {FRICTION} of {}, for which the scene gives none\n", assumed.join(", "))
 }
 
 /// The least room that the motions keep.
