@@ -66,6 +66,31 @@ fn proved_impossible_is_3_and_says_why() {
     }
 }
 
+/// Whatever way of asking: something has to be moved that never can be.
+#[test]
+fn goals_that_are_proved_out_of_reach_are_3_as_well() {
+    let program = Program::new();
+    program.write("scene.yaml", &closed_shelf());
+    let goal = |text: &str| {
+        program.write("goal.pddl", text);
+        "--goal goal.pddl".to_owned()
+    };
+    for (asked, words) in [
+        ("--symbolic", "`o15` has to be moved"),
+        ("--symbolic --all-movable", "`o15` has to be moved"),
+        ("(On o3 tray)", "`o3` has to be moved"),
+        ("(forall (?o - item) (On ?o tray))", "`o1` has to be moved"),
+        ("(or (On o3 tray) (On o4 tray))", "one of `o3`, `o4` has to be moved"),
+    ] {
+        let asked = if asked.starts_with('(') { goal(asked) } else { asked.to_owned() };
+        let done = program.run(&format!("plan scene.yaml -o plan.json {asked}"));
+        assert_eq!((done.code, done.out.as_str()), (Some(3), ""), "{asked}: {}", done.err);
+        assert!(done.err.starts_with("impossible: ") && done.err.contains(words), "{asked}: {}", done.err);
+        assert_eq!(program.json("plan.json")["status"], "impossible");
+        std::fs::remove_file(program.path("plan.json")).expect("removed");
+    }
+}
+
 #[test]
 fn spent_budgets_are_4_and_say_why() {
     let program = Program::new();

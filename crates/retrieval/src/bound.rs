@@ -7,6 +7,8 @@
 //! every barrier ([`crate::barriers`]) are a lower bound. It needs an inverse kinematics that finds every branch, and links without meshes.
 //!
 //! Only what is near the answer is looked at: other objects are taken to be free to go.
+//!
+//! The same, without any margin, proves that there is no plan at all: [`Prover::stuck`].
 
 use crate::barriers::Barriers;
 use crate::grasps::{Grasp, declared};
@@ -23,7 +25,7 @@ use clearway_robot::InverseKinematics;
 /// Between the postures looked at on the stretch, metres.
 const STEP: f64 = 0.02;
 /// What is this much nearer than plans allow is too near beyond doubt, metres.
-const DOUBT: f64 = 5e-5;
+pub const DOUBT: f64 = 5e-5;
 
 /// A bound, the target included, and what proves it.
 pub struct Bound {
@@ -72,6 +74,28 @@ impl Prover<'_> {
             known[object.index()] =
                 Some(self.look(object, most_in_way(most, object == target), &mut scratch, budget)?);
         }
+    }
+
+    /// Objects that certainly are never taken, whatever goes first, `object` among them; none where that is not certain.
+    /// Objects not looked at count as free to go, so that mostly few are.
+    pub fn stuck(&self, object: ObjectId, budget: &Budget) -> Result<ObjectSet, Stop> {
+        if !self.inverse.complete() || !self.world.model.robot.meshes.is_empty() {
+            return Ok(ObjectSet::EMPTY);
+        }
+        let all = ObjectSet::first(self.names.len());
+        let mut ways: WaysIn = vec![vec![ObjectSet::EMPTY]; self.names.len()];
+        let mut scratch = Scratch::default();
+        let (mut looked, mut next) = (ObjectSet::EMPTY, Some(object));
+        while let Some(some) = next {
+            ways[some.index()] = self.look(some, all.len(), &mut scratch, budget)?.ways;
+            looked.insert(some);
+            let takable = order::takable(&ways, &all);
+            if !takable.contains(object) {
+                return Ok(looked.difference(takable));
+            }
+            next = looked.iter().flat_map(|o| &ways[o.index()]).find_map(|set| set.difference(looked).iter().next());
+        }
+        Ok(ObjectSet::EMPTY)
     }
 
     fn proof(&self, known: Vec<Option<Known>>) -> GraspsProof {

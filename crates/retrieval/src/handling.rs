@@ -8,6 +8,7 @@ use crate::carry::relocate::Relocation;
 use crate::carry::{Carried, Carrier, Obstruction, Situation};
 use crate::feasibility::{Feasibility, Unfit};
 use crate::grasps::Grasp;
+use crate::order;
 use crate::place::{self, Spot};
 use crate::planner::Settings;
 use crate::trace;
@@ -316,9 +317,35 @@ impl Handling {
         PlanFile { seed, timing, ..trace::handled(&self.arm, carried, goal) }
     }
 
-    /// No plan, for this reason; nothing is proved.
-    pub fn no_plan(&self, why: String, goal: Option<&str>, timing: Timing, seed: u64) -> PlanFile {
-        PlanFile { seed, timing, ..trace::not_handled(&self.arm, why, goal) }
+    /// No plan, for this reason, which is a proof or not.
+    pub fn no_plan(&self, why: String, proved: bool, goal: Option<&str>, timing: Timing, seed: u64) -> PlanFile {
+        PlanFile { seed, timing, ..trace::not_handled(&self.arm, why, proved, goal) }
+    }
+
+    /// Whether no declared grasp leads to an object where the scene has it, as far as was found.
+    pub fn has_no_way(&mut self, object: ObjectId, budget: &Budget) -> Result<bool, Stop> {
+        self.arm.minimal_sets(object, ObjectSet::CAPACITY, budget)?;
+        Ok(self.arm.all_ways(object).all(|ways| ways.ways.is_empty()))
+    }
+
+    /// Objects that, as far as was found, are never taken from where the scene has them, whatever goes first.
+    pub fn seem_stuck(&mut self, budget: &Budget) -> Result<ObjectSet, Stop> {
+        let all = self.arm.scene.all();
+        Ok(all.difference(order::takable(&self.arm.frozen(budget)?, &all)))
+    }
+
+    /// Objects that certainly are never taken from where the scene has them, whatever goes first, `object` among them;
+    /// none where that is not proved.
+    pub fn proved_stuck(&mut self, object: ObjectId, budget: &Budget) -> Result<ObjectSet, Stop> {
+        if self.has_no_way(object, budget)? && self.arm.proved_out_of_reach(object, budget)? {
+            return Ok(ObjectSet::of(object));
+        }
+        self.arm.proved_stuck(object, budget)
+    }
+
+    /// Why it is proved that an object cannot be taken; `stuck`: all of which that is proved.
+    pub fn never_taken(&self, object: ObjectId, stuck: ObjectSet) -> String {
+        trace::never_taken(&self.arm, object, stuck)
     }
 
     /// The places that an object which stands like this is on.

@@ -43,7 +43,7 @@ pub fn arrange<K: PartialOrd>(
 }
 
 /// Those of `set` that can be taken with no others gone.
-fn takable(ways: &WaysIn, set: &ObjectSet) -> ObjectSet {
+pub(crate) fn takable(ways: &WaysIn, set: &ObjectSet) -> ObjectSet {
     let mut gone = ObjectSet::EMPTY;
     loop {
         let free = |o: &ObjectId| ways[o.index()].iter().any(|w| w.is_subset(&gone));

@@ -177,6 +177,7 @@ impl Planner {
             most_removals: request.most_removals,
             budget: request.budget.clone(),
             stats: Stats::default(),
+            stuck: ObjectSet::EMPTY,
             observer,
         };
         let mut outcome = self.search_or_stop(&mut run);
@@ -186,7 +187,7 @@ impl Planner {
             outcome = Ok(Some(better));
         }
         let total = began.elapsed();
-        let Run { journey, mut stats, .. } = run;
+        let Run { journey, mut stats, stuck, .. } = run;
         let timing = journey.timing(total);
         stats.roadmap_nodes = self.roadmap.nodes.len();
         stats.retrieval_nodes = self.graph.len();
@@ -195,7 +196,7 @@ impl Planner {
             self.arm.stands.iter().flat_map(|s| s.ways.iter().flatten()).map(|w| w.counts.total()).sum();
         let (ending, sequence, stopped) = match outcome {
             Ok(Some(sequence)) => (Ending::Solved(sequence.objects.clone()), Some(sequence), None),
-            Ok(None) => (Ending::Impossible, None, None),
+            Ok(None) => (Ending::Impossible(stuck), None, None),
             Err(stop) => (Ending::Stopped(Some(stop)), None, Some(stop)),
         };
         let mut plan = self.arm.plan_file(&ending, journey, &request.budget);
@@ -222,6 +223,7 @@ impl Planner {
             most_removals: Some(removed - 1),
             budget: run.budget.clone(),
             stats: run.stats.clone(),
+            stuck: ObjectSet::EMPTY,
             observer: &mut *run.observer,
         };
         let found = self.search_or_stop(&mut again).ok().flatten();
@@ -244,11 +246,14 @@ impl Planner {
         let count = self.arm.scene.objects.len();
         run.budget.check()?;
         self.arm.choose_stops();
+        let mut proof_tried = false;
         if self.arm.minimal_sets(target, 0, &run.budget)?.is_empty()
             && self.arm.all_ways(target).all(|w| w.ways.is_empty())
-            && self.arm.proved_out_of_reach(target, &run.budget)?
         {
-            return Ok(None);
+            if self.arm.proved_out_of_reach(target, &run.budget)? || self.is_stuck(run)? {
+                return Ok(None);
+            }
+            proof_tried = true;
         }
         let first = match self.settings.first_limit {
             FirstLimit::One => 1,
@@ -272,6 +277,13 @@ impl Planner {
                     Err(Some(next)) if limit >= LONG && next <= most => {
                         limit = next;
                         continue;
+                    }
+                    // None of any length: there may be no other either.
+                    Err(None) if !proof_tried && run.most_removals.is_none() => {
+                        proof_tried = true;
+                        if self.is_stuck(run)? {
+                            return Ok(None);
+                        }
                     }
                     Err(_) => {}
                 }
@@ -313,6 +325,12 @@ impl Planner {
             direct = Direct::new(count, target, None);
             limit = 1;
         }
+    }
+
+    /// Whether it is proved that the target cannot be taken.
+    fn is_stuck(&self, run: &mut Run) -> Result<bool, Stop> {
+        run.stuck = self.arm.proved_stuck(self.arm.scene.target, &run.budget)?;
+        Ok(!run.stuck.is_empty())
     }
 
     /// The fewest objects along the arm's own ways; where there are none, the next limit at which there
@@ -459,6 +477,8 @@ struct Run<'a> {
     most_removals: Option<usize>,
     budget: Budget,
     stats: Stats,
+    /// Objects that are proved never to be taken, the target among them.
+    stuck: ObjectSet,
     observer: &'a mut dyn Observer,
 }
 

@@ -41,7 +41,7 @@ pub fn solved(arm: &Feasibility, objects: &[ObjectId], journey: Journey) -> Plan
 
 /// No plan, and why; the last motion that could not be had.
 pub fn unsolved(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'static str)>) -> PlanFile {
-    let status = if matches!(ending, Ending::Impossible) { Status::Impossible } else { Status::OutOfBudget };
+    let status = if matches!(ending, Ending::Impossible(_)) { Status::Impossible } else { Status::OutOfBudget };
     PlanFile { why: why_not(arm, ending, obstruction), ..without_steps(arm, status) }
 }
 
@@ -61,12 +61,13 @@ pub fn handled(arm: &Feasibility, carried: Vec<Carried>, goal: Option<&str>) -> 
     }
 }
 
-/// No plan for a goal.
-pub fn not_handled(arm: &Feasibility, why: String, goal: Option<&str>) -> PlanFile {
+/// No plan for a goal, and why: a proof or not.
+pub fn not_handled(arm: &Feasibility, why: String, proved: bool, goal: Option<&str>) -> PlanFile {
+    let status = if proved { Status::Impossible } else { Status::OutOfBudget };
     PlanFile {
-        why: Why { summary: why, ..Why::default() },
+        why: Why { summary: why, objects: all_learned(arm), sides: Vec::new() },
         goal: goal.map(str::to_owned),
-        ..without_steps(arm, Status::OutOfBudget)
+        ..without_steps(arm, status)
     }
 }
 
@@ -288,9 +289,7 @@ fn why_not(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'
     let names = &arm.scene.names;
     let target = &names[arm.scene.target.index()];
     let mut summary = match ending {
-        Ending::Impossible => format!(
-            "No declared grasp of `{target}` can be reached, even with every other object gone: see what became of the grasps."
-        ),
+        Ending::Impossible(stuck) => never_taken(arm, arm.scene.target, *stuck),
         Ending::Stopped(Some(Stop::Cancelled)) => format!("Interrupted before a way to `{target}` was found."),
         Ending::Stopped(Some(Stop::Iterations)) => {
             format!("The iterations allowed were spent before a way to `{target}` was found; nothing is proved.")
@@ -303,7 +302,17 @@ fn why_not(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'
     if let Some((object, what)) = obstruction {
         summary.push_str(&format!(" The last motion that failed: {what}, for `{}`.", names[object.index()]));
     }
-    let objects = (0..names.len())
+    let sides = arm.sides();
+    if !sides.is_empty() && sides.iter().all(|s| s.free == 0) {
+        summary.push_str(&format!(" There is no side from which the robot could reach `{target}`."));
+    }
+    Why { summary, objects: all_learned(arm), sides }
+}
+
+/// What was learned of all objects that came up.
+fn all_learned(arm: &Feasibility) -> Vec<ObjectWhy> {
+    let names = &arm.scene.names;
+    (0..names.len())
         .filter(|&i| arm.looked_into(ObjectId(i as u16)))
         .map(|i| {
             let object = ObjectId(i as u16);
@@ -315,12 +324,25 @@ fn why_not(arm: &Feasibility, ending: &Ending, obstruction: Option<(ObjectId, &'
             };
             ObjectWhy { object: names[i].clone(), reason, ..why }
         })
-        .collect();
-    let sides = arm.sides();
-    if !sides.is_empty() && sides.iter().all(|s| s.free == 0) {
-        summary.push_str(&format!(" There is no side from which the robot could reach `{target}`."));
+        .collect()
+}
+
+/// Why it is proved that an object cannot be taken; `stuck`: all of which that is proved.
+pub fn never_taken(arm: &Feasibility, object: ObjectId, stuck: ObjectSet) -> String {
+    let names = &arm.scene.names;
+    let name = &names[object.index()];
+    let mut others = stuck;
+    others.remove(object);
+    if others.is_empty() {
+        return format!(
+            "No declared grasp of `{name}` can be reached, even with every other object gone: see what became of the grasps."
+        );
     }
-    Why { summary, objects, sides }
+    let others: Vec<String> = others.iter().map(|o| format!("`{}`", names[o.index()])).collect();
+    format!(
+        "`{name}` cannot be reached over any declared grasp: in each stands something that cannot be taken either: {}.",
+        others.join(", ")
+    )
 }
 
 /// What stands in the way of an object, over all its ways, and what became of its grasps.

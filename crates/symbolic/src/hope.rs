@@ -1,12 +1,24 @@
 //! Optimism: every stream that may still give something is taken to give it, as values with a `#`, and so
 //! are the streams that those would be inputs of.
+//!
+//! Where everything may be put on everything there is no end to it: poses on poses on poses. Then fewer are hoped for
+//! that are made of others of their type; what was found takes their place, and hopes begin there anew.
 
 use crate::facts::{Fact, Facts, Value};
+use crate::pddl::TypeId;
 use crate::store::Store;
-use std::collections::{HashMap, HashSet};
+use clearway_plan::{Budget, Stop};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Streams that feed on each other's outputs are followed so far.
 const DEPTH: usize = 8;
+/// Of one type, of which each is made of the one before, so many are hoped for; fewer where there would be too many
+/// hopes in all.
+const GENERATIONS: [usize; 3] = [DEPTH, 3, 2];
+const TOO_MANY: usize = 8_000;
+/// Where those are too many as well. What is left out is hoped for when something of what was hoped for was found.
+const FEWEST: usize = 1;
+const MOST: usize = 20_000;
 
 /// A stream that is hoped to give these outputs.
 #[derive(Clone, Debug)]
@@ -24,14 +36,35 @@ pub struct Hopes {
     pub hopes: Vec<Hope>,
     /// Which hope a fact comes from that is not known.
     by_fact: HashMap<Fact, usize>,
+    /// Of a hoped for value: of how many of each type, each made of the one before, it is made, itself included.
+    made_of: HashMap<Value, BTreeMap<TypeId, usize>>,
+    /// More could have been hoped for.
+    pub cut: bool,
 }
 
 impl Hopes {
     /// With `all`, streams that only could be asked are hoped for too; else only those with fluents, which are
     /// asked in a plan.
-    pub fn of(store: &mut Store, all: bool) -> Self {
-        let mut hopes =
-            Self { facts: store.facts.clone(), optimistic: HashSet::new(), hopes: Vec::new(), by_fact: HashMap::new() };
+    pub fn of(store: &mut Store, all: bool, budget: &Budget) -> Result<Self, Stop> {
+        for generations in GENERATIONS {
+            let hopes = Self::within(store, all, generations, TOO_MANY, budget)?;
+            if hopes.hopes.len() < TOO_MANY {
+                return Ok(Self { cut: generations < DEPTH, ..hopes });
+            }
+        }
+        Ok(Self { cut: true, ..Self::within(store, all, FEWEST, MOST, budget)? })
+    }
+
+    /// So many generations; as soon as there are so many hopes in all, no more.
+    fn within(store: &mut Store, all: bool, generations: usize, most: usize, budget: &Budget) -> Result<Self, Stop> {
+        let mut hopes = Self {
+            facts: store.facts.clone(),
+            optimistic: HashSet::new(),
+            hopes: Vec::new(),
+            by_fact: HashMap::new(),
+            made_of: HashMap::new(),
+            cut: false,
+        };
         for instance in 0..store.instances.len() {
             let known = &store.instances[instance];
             let fluent = store.is_fluent(known.stream);
@@ -44,10 +77,17 @@ impl Hopes {
         for _ in 0..if all { DEPTH } else { 0 } {
             let before = hopes.hopes.len();
             for stream in (0..store.streams.len()).filter(|s| !store.is_test(*s)).collect::<Vec<_>>() {
+                budget.check()?;
                 for inputs in store.inputs_among(stream, &hopes.facts, &hopes.optimistic) {
                     let open = inputs.iter().any(|v| hopes.optimistic.contains(v));
-                    if open && hoped.insert((stream, inputs.clone())) {
+                    if open
+                        && hopes.generation(store, stream, &inputs) <= generations
+                        && hoped.insert((stream, inputs.clone()))
+                    {
                         hopes.add(store, stream, inputs, false);
+                    }
+                    if hopes.hopes.len() >= most {
+                        return Ok(hopes);
                     }
                 }
             }
@@ -55,11 +95,24 @@ impl Hopes {
                 break;
             }
         }
-        hopes
+        Ok(hopes)
+    }
+
+    /// Of how many of its own type each, made one of the other, an output of a stream would be the last.
+    fn generation(&self, store: &Store, stream: usize, inputs: &[Value]) -> usize {
+        let made_of = |of: &TypeId| inputs.iter().filter_map(|v| self.made_of.get(v)?.get(of)).max().copied();
+        let outputs = store.streams[stream].outputs.iter();
+        outputs.map(|output| made_of(&output.of).unwrap_or(0) + 1).max().unwrap_or(0)
     }
 
     fn add(&mut self, store: &mut Store, stream: usize, inputs: Vec<Value>, found: bool) {
         let declared = &store.streams[stream];
+        let mut made_of: BTreeMap<TypeId, usize> = BTreeMap::new();
+        for (of, count) in inputs.iter().filter_map(|v| self.made_of.get(v)).flatten() {
+            let most = made_of.entry(*of).or_default();
+            *most = (*most).max(*count);
+        }
+        declared.outputs.iter().for_each(|output| *made_of.entry(output.of).or_default() += 1);
         let mut outputs = Vec::new();
         for output in &declared.outputs {
             let name =
@@ -67,6 +120,7 @@ impl Hopes {
             let value = store.values.add(&format!("{name}-{}", store.domain.types.names[output.of.0]), output.of);
             if !found {
                 self.optimistic.insert(value);
+                self.made_of.insert(value, made_of.clone());
             }
             outputs.push(value);
         }

@@ -9,6 +9,7 @@
 //! | [`store`], [`hope`], [`search`] | streams at work, and the focused and incremental algorithms |
 //! | [`arm`] | the streams of pick-and-place |
 //! | [`telling`] | a scene in facts |
+//! | [`necessity`], [`hopeless`] | what certainly has to be moved for a goal; goals for which that cannot be |
 //! | [`problem`] | a scene and a goal in, a plan out; the join with removal sequences |
 //!
 //! `domain.pddl` and `streams.pddl` beside this file are the built-in ones.
@@ -22,6 +23,8 @@ pub mod engine;
 pub mod facts;
 pub mod ground;
 pub mod hope;
+pub mod hopeless;
+pub mod necessity;
 pub mod pddl;
 pub mod problem;
 pub mod relevance;

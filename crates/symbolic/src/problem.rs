@@ -6,6 +6,7 @@
 
 use crate::arm::Arm;
 use crate::engine::Engine;
+use crate::hopeless::Hopeless;
 use crate::pddl::{Atom, Domain, Formula, Goal, Stream, Term};
 use crate::search::{Algorithm, Counts, NoPlan, Patience, Search};
 use crate::store::Store;
@@ -64,10 +65,18 @@ pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget)
     // What is held was not put down: steps end with an empty hand.
     let goal = with_empty_hand(asked.goal, asked.domain);
     let asked = &Asked { goal: &goal, ..*asked };
-    let mut run =
-        Run { handling, asked, budget, counts: Counts::default(), moving: Duration::ZERO, tries: 0, movable: 0 };
+    let mut run = Run {
+        handling,
+        asked,
+        budget,
+        counts: Counts::default(),
+        moving: Duration::ZERO,
+        tries: 0,
+        movable: 0,
+        without_way: ObjectSet::EMPTY,
+    };
     let ended = run.run();
-    let Run { handling, counts, moving, tries, movable, .. } = run;
+    let Run { handling, counts, moving, tries, movable, without_way, .. } = run;
     let total = began.elapsed();
     let timing = Timing {
         total: total.as_secs_f64(),
@@ -84,7 +93,13 @@ pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget)
                 NoPlan::Stopped(stop) => Some(stop),
                 _ => None,
             };
-            (handling.no_plan(told(&no_plan, &asked.goal.text), goal, timing, seed), stopped)
+            let mut why = told(handling, &no_plan, &asked.goal.text);
+            let proved = matches!(no_plan, NoPlan::Stuck { .. });
+            if !proved && !without_way.is_empty() {
+                let names = quoted(handling.scene(), without_way);
+                why += &format!(" No grasp that was tried leads to what has to be moved for it: {names}.");
+            }
+            (handling.no_plan(why, proved, goal, timing, seed), stopped)
         }
     };
     let stats = Stats {
@@ -96,8 +111,20 @@ pub fn solve(handling: &mut Handling, asked: &Asked, seed: u64, budget: &Budget)
     Answer { plan: PlanFile { stats, ..plan }, stopped, counts, movable, tries }
 }
 
-fn told(no_plan: &NoPlan, goal: &str) -> String {
+fn told(handling: &Handling, no_plan: &NoPlan, goal: &str) -> String {
     match no_plan {
+        NoPlan::Stuck { needed, others } => {
+            let names = quoted(handling.scene(), *needed);
+            let why = match needed.iter().next() {
+                Some(object) if needed.len() == 1 => {
+                    format!("{names} has to be moved for it. {}", handling.never_taken(object, *others))
+                }
+                _ => format!(
+                    "one of {names} has to be moved for it, and no declared grasp of any of these can be reached, whatever goes first."
+                ),
+            };
+            format!("The goal {goal} cannot be reached: {why}")
+        }
         // Hopes merge what a stream may find, so that this is no proof.
         NoPlan::Impossible => format!(
             "No plan reaches the goal {goal}, even if every grasp, pose and motion asked for could be had: does it contradict itself? Nothing is proved."
@@ -124,6 +151,10 @@ fn told(no_plan: &NoPlan, goal: &str) -> String {
     }
 }
 
+fn quoted(scene: &Scene, objects: ObjectSet) -> String {
+    objects.names(&scene.names).iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
 struct Run<'a> {
     handling: &'a mut Handling,
     asked: &'a Asked<'a>,
@@ -132,6 +163,8 @@ struct Run<'a> {
     moving: Duration,
     tries: usize,
     movable: usize,
+    /// What has to be moved for the goal, and to which no way was found.
+    without_way: ObjectSet,
 }
 
 /// What a try with some objects movable teaches when it fails.
@@ -144,6 +177,9 @@ struct Learned {
 impl Run<'_> {
     fn run(&mut self) -> Result<Vec<Carried>, NoPlan> {
         let all = self.handling.scene().all();
+        let hopeless = Hopeless::of(self.asked, self.handling, self.budget)?;
+        self.without_way = hopeless.without_way(self.handling, self.budget)?;
+        hopeless.prove_of(self.without_way, self.handling, self.budget)?;
         if self.asked.sequences {
             let wanted = self.named();
             let arm = self.handling.arm();
@@ -171,6 +207,10 @@ impl Run<'_> {
                     }
                 }
             }
+        }
+        // What follows may take long; not so where no objects are told apart from the start.
+        if self.asked.sequences {
+            hopeless.prove(self.handling, self.budget)?;
         }
         self.with(all, None)?.map_err(|learned| learned.no_plan)
     }

@@ -7,7 +7,7 @@ use crate::hope::{Hope, Hopes};
 use crate::pddl::Goal;
 use crate::relevance;
 use crate::store::{Hoping, Instance, Store};
-use clearway_plan::{Budget, Stop};
+use clearway_plan::{Budget, ObjectSet, Stop};
 use std::collections::{HashMap, HashSet};
 
 /// How streams and symbols take turns.
@@ -32,6 +32,11 @@ pub struct Solution {
 pub enum NoPlan {
     /// Proved: not even if every stream gave whatever is asked of it.
     Impossible,
+    /// Proved: one of these has to be moved, and none ever can be. In all ways to it stands one of the others.
+    Stuck {
+        needed: ObjectSet,
+        others: ObjectSet,
+    },
     /// No plan was found even if every stream gave whatever is asked of it, but the engine gave up, saying this.
     Hopeless(String),
     /// No stream has anything more to give.
@@ -75,6 +80,8 @@ pub struct Search<'s, 'a> {
     first_try: bool,
     /// What the engine said when it gave up.
     unproved: Option<String>,
+    /// More could have been hoped for than was, the last time.
+    cut: bool,
 }
 
 /// When a search gives up that could go on.
@@ -116,6 +123,7 @@ impl<'s, 'a> Search<'s, 'a> {
             counts: Counts::default(),
             first_try: true,
             unproved: None,
+            cut: false,
         }
     }
 
@@ -133,7 +141,7 @@ impl<'s, 'a> Search<'s, 'a> {
             self.budget.iteration()?;
             self.store.instantiate();
             let Some(sketch) = self.sketch(true, thorough)? else {
-                if self.first_try {
+                if self.first_try && !self.cut {
                     return Err(self.unproved.take().map_or(NoPlan::Impossible, NoPlan::Hopeless));
                 }
                 if !self.gave_up() && self.ask_again()? {
@@ -204,7 +212,8 @@ impl<'s, 'a> Search<'s, 'a> {
     /// A plan with what is known and, with `all`, what is hoped for; `None`: there is none. `thorough`: among all
     /// actions, not only those that seem to matter.
     fn sketch(&mut self, all: bool, thorough: bool) -> Result<Option<Sketch>, NoPlan> {
-        let hopes = Hopes::of(self.store, all);
+        let hopes = Hopes::of(self.store, all, self.budget)?;
+        self.cut = hopes.cut;
         let values = self.store.values.clone();
         let (facts, optimistic) = (hopes.facts.clone(), hopes.optimistic.clone());
         let grounder = Grounder::new(self.store.domain).within(self.budget);
@@ -332,12 +341,14 @@ impl<'s, 'a> Search<'s, 'a> {
     }
 
     /// Every stream that was asked is asked once more, and motions that failed may be tried again; false when
-    /// nothing came of it. Streams are quick beside the engine, which has fewer hopes to weigh this way.
+    /// nothing came of it. Streams are quick beside the engine, which has fewer hopes to weigh this way. Where not all is
+    /// hoped for that could be, streams that were not asked are asked as well: hopes begin at what they find.
     fn ask_again(&mut self) -> Result<bool, Stop> {
         let mut any = self.retry_motions();
         for index in 0..self.store.instances.len() {
             let instance = &self.store.instances[index];
-            if instance.rests && !instance.exhausted && !self.store.is_fluent(instance.stream) {
+            let due = instance.rests || self.cut;
+            if due && !instance.exhausted && !self.store.is_fluent(instance.stream) {
                 self.budget.check()?;
                 self.counts.stream_calls += 1;
                 any |= self.store.ask(index)?.is_some();

@@ -213,7 +213,7 @@ pub fn begin(
         }
     }
     let mut pairs = Vec::new();
-    stacked(&goal.formula, on, &mut pairs);
+    stacked(domain, &goal.formula, true, &[], &mut pairs);
     for (above, below) in pairs {
         let among = |name: Option<&str>| -> Vec<Value> {
             let named = name.map(|name| values.named(name));
@@ -228,20 +228,32 @@ pub fn begin(
     Ok(Begun { values, facts, state })
 }
 
-/// What a goal may have on what: `On`'s arguments, `None` for variables.
-fn stacked<'f>(formula: &'f Formula, on: PredicateId, pairs: &mut Vec<(Option<&'f str>, Option<&'f str>)>) {
+/// What a goal may have on what: `On`'s arguments, `None` for any. Where it only asks for what is not on what,
+/// nothing has to be put there. `bound`: what the parameters of a derived predicate stand for, by slot.
+fn stacked<'f>(
+    domain: &'f Domain,
+    formula: &'f Formula,
+    holds: bool,
+    bound: &[Option<&'f str>],
+    pairs: &mut Vec<(Option<&'f str>, Option<&'f str>)>,
+) {
     match formula {
-        Formula::And(parts) | Formula::Or(parts) => parts.iter().for_each(|p| stacked(p, on, pairs)),
-        Formula::Not(inner) | Formula::Forall(_, inner) | Formula::Exists(_, inner) => stacked(inner, on, pairs),
-        Formula::Atom(atom) if atom.predicate == on => {
+        Formula::And(parts) | Formula::Or(parts) => parts.iter().for_each(|p| stacked(domain, p, holds, bound, pairs)),
+        Formula::Not(inner) => stacked(domain, inner, !holds, bound, pairs),
+        Formula::Forall(_, inner) | Formula::Exists(_, inner) => stacked(domain, inner, holds, bound, pairs),
+        Formula::Atom(atom) => {
             let name = |term: &'f Term| match term {
                 Term::Constant(name) => Some(name.as_str()),
-                Term::Variable(_) => None,
+                Term::Variable(slot) => bound.get(*slot).copied().flatten(),
             };
-            if let [above, below] = atom.terms.as_slice() {
-                pairs.push((name(above), name(below)));
+            let names: Vec<Option<&str>> = atom.terms.iter().map(name).collect();
+            if let Some(derived) = domain.derived.iter().find(|d| d.predicate == atom.predicate) {
+                stacked(domain, &derived.body, holds, &names, pairs);
+            } else if let (true, [above, below]) = (holds && domain.predicate("On") == Some(atom.predicate), &names[..])
+            {
+                pairs.push((*above, *below));
             }
         }
-        Formula::Atom(_) | Formula::Equal(..) => {}
+        Formula::Equal(..) => {}
     }
 }

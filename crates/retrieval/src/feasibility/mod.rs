@@ -12,7 +12,7 @@ pub use journey::{Journey, NoMotion};
 pub use pushes::NoPush;
 
 use crate::barriers::Barriers;
-use crate::bound::Prover;
+use crate::bound::{DOUBT, Prover};
 use crate::carry;
 use crate::floor::Floor;
 use crate::grasps::declared;
@@ -85,8 +85,8 @@ pub struct Feasibility {
 pub enum Ending {
     /// These were carried, in this order; the target is last.
     Solved(Vec<ObjectId>),
-    /// Proved.
-    Impossible,
+    /// Proved: the target is never taken, nor are these, of which some stand in each of its ways.
+    Impossible(ObjectSet),
     /// Nothing is proved; without a reason the search had nothing left to try.
     Stopped(Option<Stop>),
 }
@@ -431,6 +431,18 @@ impl Feasibility {
         Ok(true)
     }
 
+    /// Objects that certainly are never taken over the declared grasps, whatever goes first, `object` among them; none
+    /// where that is not proved. Without the margins that the search keeps.
+    pub fn proved_stuck(&self, object: ObjectId, budget: &Budget) -> Result<ObjectSet, Stop> {
+        let Self { inverse, scene, .. } = self;
+        if self.base.is_some() || scene.file.camera.is_some() {
+            return Ok(ObjectSet::EMPTY);
+        }
+        let settings = ways::Settings { margin: DOUBT, held_margin: DOUBT, ..self.settings.clone() };
+        let (world, barriers) = (&self.stands[0].world, Barriers::default());
+        Prover { world, inverse, settings: &settings, names: &scene.names, barriers: &barriers }.stuck(object, budget)
+    }
+
     /// A lower bound on the removals of every plan over the declared grasps; `removed`: those of a plan.
     pub(crate) fn lower_bound(&self, removed: usize, budget: &Budget) -> LowerBound {
         let Self { inverse, settings, scene, .. } = self;
@@ -459,7 +471,7 @@ impl Feasibility {
                 plan.lower_bound = self.scene.hidden.is_empty().then(|| self.lower_bound(objects.len(), budget));
                 plan
             }
-            Ending::Impossible | Ending::Stopped(_) => {
+            Ending::Impossible(_) | Ending::Stopped(_) => {
                 self.look_at_all();
                 trace::unsolved(self, ending, journey.obstruction)
             }
