@@ -37,6 +37,14 @@ impl Direct {
         Self { target, most, ways: vec![free; count], looked: vec![None; count], failures: Vec::new(), many: false }
     }
 
+    /// For all of some objects rather than for one: it has them when they are gone. It counts as one more in limits.
+    pub fn for_all(count: usize, wanted: ObjectSet) -> Self {
+        let mut new = Self::new(count + 1, ObjectId(count as u16), None);
+        new.ways[count] = vec![wanted];
+        new.looked[count] = Some((usize::MAX, None));
+        new
+    }
+
     /// The fewest objects, at most `limit` of them with the target; where that is too much to ask, few,
     /// and the limit is raised to as many.
     pub fn search(&mut self, arm: &mut Feasibility, limit: &mut usize, budget: &Budget) -> Result<Directly, Stop> {
@@ -92,14 +100,16 @@ impl Direct {
         (0..self.looked.len()).filter(|&i| self.looked[i].is_some()).map(|i| ObjectId(i as u16))
     }
 
-    /// Nearest first, the target last; for a base that drives the order in which it drives least.
+    /// Nearest first, the target last if it is one of the scene's objects; for a base that drives the order in which it drives least.
     fn arrange(&self, arm: &mut Feasibility, set: &ObjectSet, budget: &Budget) -> Result<Vec<ObjectId>, Stop> {
         if let Some(order) = arm.itinerary(&self.ways, set, budget)? {
             return Ok(order);
         }
-        let at = |o: ObjectId| arm.scene.objects[o.index()].pose.translation.truncate();
+        let at = |o: ObjectId| arm.scene.objects.get(o.index()).map_or(arm.base(), |o| o.pose.translation.truncate());
         let from = |last: Option<ObjectId>| last.map_or(arm.base(), at);
-        Ok(order::arrange(&self.ways, set, |last, o| (o == self.target, at(o).distance(from(last)))))
+        let mut order = order::arrange(&self.ways, set, |last, o| (o == self.target, at(o).distance(from(last))));
+        order.retain(|o| o.index() < arm.scene.objects.len());
+        Ok(order)
     }
 
     /// How many objects may stand in the way of an object in a sequence of at most `limit`.

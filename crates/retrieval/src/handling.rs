@@ -6,11 +6,13 @@
 
 use crate::carry::relocate::Relocation;
 use crate::carry::{Carried, Carrier, Obstruction, Situation};
-use crate::feasibility::{Feasibility, Unfit};
+use crate::direct::{Direct, Directly};
+use crate::feasibility::{Feasibility, Journey, Unfit};
 use crate::grasps::Grasp;
 use crate::order;
 use crate::place::{self, Spot};
 use crate::planner::Settings;
+use crate::push::Pushes;
 use crate::trace;
 use crate::ways::{self, Explorer, Stage, Way};
 use clearway_collision::{CollisionModel, Touch};
@@ -21,7 +23,9 @@ use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
 use clearway_scene::{Fixture, Place, Scene, Support};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// What something can be put down on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +47,7 @@ pub struct Rests {
 /// One arm in one scene, asked about objects wherever they are.
 pub struct Handling {
     arm: Feasibility,
+    seed: u64,
     random: Xoshiro256PlusPlus,
 }
 
@@ -61,7 +66,7 @@ impl Handling {
         let mut arm = Feasibility::new(scene, model, ways, carry, push, mobile)?;
         // Whoever asks for grasps takes them in their order, the firm ones first.
         arm.settings.loosely = true;
-        Ok(Self { arm, random: Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x4861_6e64) })
+        Ok(Self { arm, seed, random: Xoshiro256PlusPlus::seed_from_u64(seed ^ 0x4861_6e64) })
     }
 
     /// What the arm can do with objects where the scene has them.
@@ -296,7 +301,7 @@ impl Handling {
     }
 
     fn carrier<'a>(&'a mut self, before: &Situation, budget: &'a Budget) -> Carrier<'a, Xoshiro256PlusPlus> {
-        let Self { arm: Feasibility { stands, scene, inverse, carrying, trees, .. }, random } = self;
+        let Self { arm: Feasibility { stands, scene, inverse, carrying, trees, .. }, random, .. } = self;
         let (world, base) = (&stands[0].world, before.base.clone());
         Carrier {
             world,
@@ -320,6 +325,72 @@ impl Handling {
     /// No plan, for this reason, which is a proof or not.
     pub fn no_plan(&self, why: String, proved: bool, goal: Option<&str>, timing: Timing, seed: u64) -> PlanFile {
         PlanFile { seed, timing, ..trace::not_handled(&self.arm, why, proved, goal) }
+    }
+
+    /// Puts all of some objects on places, and what has to go before them, as in a retrieval of one: each held firmly,
+    /// and on one of the places that are allowed for it, if that is told. `None`: the fewest objects that have to go are
+    /// more than `may_go`, or no motions were found soon, which proves nothing. With the time that motions took.
+    pub fn put_on_places(
+        &mut self,
+        wanted: ObjectSet,
+        allowed: BTreeMap<ObjectId, Vec<usize>>,
+        may_go: impl Fn(ObjectSet) -> bool,
+        budget: &Budget,
+    ) -> Result<Option<(Vec<Carried>, Duration)>, Stop> {
+        let count = self.arm.scene.objects.len();
+        if self.arm.base.is_some() || wanted.is_empty() || count >= ObjectSet::CAPACITY {
+            return Ok(None);
+        }
+        let (target, pushes) = (self.arm.scene.target, self.arm.pushing.when);
+        self.arm.set_loosely(false);
+        self.arm.pushing.when = Pushes::Never;
+        self.arm.carrying.only_on = allowed;
+        let found = self.sequences_on_places(wanted, may_go, budget);
+        self.arm.carrying.only_on.clear();
+        (self.arm.scene.target, self.arm.pushing.when) = (target, pushes);
+        found
+    }
+
+    /// From now on objects may turn or slip in the hand, as they may at first.
+    pub fn hold_loosely(&mut self) {
+        self.arm.set_loosely(true);
+    }
+
+    fn sequences_on_places(
+        &mut self,
+        wanted: ObjectSet,
+        may_go: impl Fn(ObjectSet) -> bool,
+        budget: &Budget,
+    ) -> Result<Option<(Vec<Carried>, Duration)>, Stop> {
+        /// Sequences tried.
+        const TRIES: usize = 40;
+        let count = self.arm.scene.objects.len();
+        let mut direct = Direct::for_all(count, wanted);
+        let mut journey = Journey::new(self.seed);
+        let (mut limit, mut tries) = (wanted.len() + 1, 0);
+        while tries < TRIES {
+            match direct.search(&mut self.arm, &mut limit, budget)? {
+                Directly::Objects(objects) => {
+                    tries += 1;
+                    // The arm goes home after the last.
+                    let Some(last) = objects.last() else { return Ok(None) };
+                    if !may_go(objects.iter().copied().collect()) {
+                        return Ok(None);
+                    }
+                    self.arm.scene.target = *last;
+                    match self.arm.carry(&objects, &mut journey, budget, |_| {})? {
+                        Ok(()) => {
+                            let moving = journey.moving();
+                            return Ok(Some((journey.carried, moving)));
+                        }
+                        Err(failure) => direct.failed(failure),
+                    }
+                }
+                Directly::Nothing { next: Some(next) } if next <= count + 1 => limit = next.max(limit + 1),
+                Directly::Nothing { .. } => return Ok(None),
+            }
+        }
+        Ok(None)
     }
 
     /// Whether no declared grasp leads to an object where the scene has it, as far as was found.

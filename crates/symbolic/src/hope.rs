@@ -15,7 +15,7 @@ const DEPTH: usize = 8;
 /// Of one type, of which each is made of the one before, so many are hoped for; fewer where there would be too many
 /// hopes in all.
 const GENERATIONS: [usize; 3] = [DEPTH, 3, 2];
-const TOO_MANY: usize = 8_000;
+const TOO_MANY: usize = 3_000;
 /// Where those are too many as well. What is left out is hoped for when something of what was hoped for was found.
 const FEWEST: usize = 1;
 const MOST: usize = 20_000;

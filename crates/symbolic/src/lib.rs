@@ -9,7 +9,8 @@
 //! | [`store`], [`hope`], [`search`] | streams at work, and the focused and incremental algorithms |
 //! | [`arm`] | the streams of pick-and-place |
 //! | [`telling`] | a scene in facts |
-//! | [`necessity`], [`hopeless`] | what certainly has to be moved for a goal; goals for which that cannot be |
+//! | [`needs`], [`necessity`] | what certainly has to be moved for a goal |
+//! | [`hopeless`], [`removals`] | goals for which that cannot be, and goals for which that is all |
 //! | [`problem`] | a scene and a goal in, a plan out; the join with removal sequences |
 //!
 //! `domain.pddl` and `streams.pddl` beside this file are the built-in ones.
@@ -25,9 +26,11 @@ pub mod ground;
 pub mod hope;
 pub mod hopeless;
 pub mod necessity;
+pub mod needs;
 pub mod pddl;
 pub mod problem;
 pub mod relevance;
+pub mod removals;
 pub mod search;
 pub mod store;
 pub mod telling;

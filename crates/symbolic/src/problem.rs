@@ -6,7 +6,7 @@
 
 use crate::arm::Arm;
 use crate::engine::Engine;
-use crate::hopeless::Hopeless;
+use crate::needs::Needs;
 use crate::pddl::{Atom, Domain, Formula, Goal, Stream, Term};
 use crate::search::{Algorithm, Counts, NoPlan, Patience, Search};
 use crate::store::Store;
@@ -30,6 +30,8 @@ pub struct Asked<'a> {
     pub engine: &'a dyn Engine,
     /// Only objects of candidate removal sequences may be moved, as long as that leads anywhere.
     pub sequences: bool,
+    /// What removals alone reach is not planned with symbols.
+    pub removals: bool,
 }
 
 /// What came of it; the plan is not yet verified.
@@ -177,9 +179,16 @@ struct Learned {
 impl Run<'_> {
     fn run(&mut self) -> Result<Vec<Carried>, NoPlan> {
         let all = self.handling.scene().all();
-        let hopeless = Hopeless::of(self.asked, self.handling, self.budget)?;
-        self.without_way = hopeless.without_way(self.handling, self.budget)?;
-        hopeless.prove_of(self.without_way, self.handling, self.budget)?;
+        let needs = Needs::of(self.asked, self.handling, self.budget)?;
+        if self.asked.removals
+            && let Some((carried, moving)) = needs.by_removals(self.handling, self.budget)?
+        {
+            self.moving += moving;
+            self.movable = carried.len();
+            return Ok(carried);
+        }
+        self.without_way = needs.without_way(self.handling, self.budget)?;
+        needs.prove_of(self.without_way, self.handling, self.budget)?;
         if self.asked.sequences {
             let wanted = self.named();
             let arm = self.handling.arm();
@@ -210,7 +219,7 @@ impl Run<'_> {
         }
         // What follows may take long; not so where no objects are told apart from the start.
         if self.asked.sequences {
-            hopeless.prove(self.handling, self.budget)?;
+            needs.prove(self.handling, self.budget)?;
         }
         self.with(all, None)?.map_err(|learned| learned.no_plan)
     }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use clearway_symbolic::domain;
-use clearway_symbolic::necessity::Necessity;
+use clearway_symbolic::necessity::{Known, Necessity, Stands};
 use clearway_symbolic::pddl::{Atom, Constant, Domain, Formula, Goal, PredicateId, Term, TypeId, Variable};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -26,6 +26,8 @@ fn necessity(domain: &Domain) -> Necessity<'_> {
         things: things(domain),
         open: vec![domain.types.named("pose").unwrap()],
         on: domain.predicate("On").unwrap(),
+        in_place: domain.predicate("InPlace"),
+        hand_empty: domain.predicate("HandEmpty"),
         supports: supports.map(|(above, below)| (above.to_owned(), below.to_owned())).to_vec(),
     }
 }
@@ -38,7 +40,7 @@ fn read(domain: &Domain, text: &str) -> Goal {
 fn what_has_to_be_moved() {
     let domain = domain();
     let necessity = necessity(&domain);
-    let cases: [(&str, &[&str]); 10] = [
+    let cases: [(&str, &[&str]); 11] = [
         ("(On a tray)", &["a"]),
         ("(On a shelf)", &[]),
         ("(and (On a tray) (On b tray))", &["a", "b"]),
@@ -47,7 +49,8 @@ fn what_has_to_be_moved() {
         ("(exists (?o - item) (On ?o tray))", &[]),
         ("(forall (?o - item) (imply (On ?o shelf) (= ?o c)))", &["a"]),
         ("(Clear a)", &["b"]),
-        ("(not (InPlace c))", &[]),
+        ("(not (InPlace c))", &["c"]),
+        ("(and (HandEmpty) (forall (?o - item) (or (= ?o b) (not (InPlace ?o)))))", &["a", "c"]),
         ("(and (not (On c shelf)) (exists (?p - pose) (AtPose c ?p)))", &["c"]),
     ];
     for (goal, needed) in cases {
@@ -57,6 +60,24 @@ fn what_has_to_be_moved() {
     }
     let either = read(&domain, "(or (On a tray) (On b tray))");
     assert!(necessity.forbids(&either, &["a", "b"]) && !necessity.forbids(&either, &["a", "c"]));
+}
+
+#[test]
+fn where_everything_is_known_the_goal_is() {
+    let domain = domain();
+    let necessity = necessity(&domain);
+    let known = Known::from([("a", Stands::AtFirst), ("b", Stands::On(vec!["tray"])), ("c", Stands::On(vec!["a"]))]);
+    for (goal, holds) in [
+        ("(and (On b tray) (On c a) (On a shelf))", Some(true)),
+        ("(InPlace a)", Some(true)),
+        ("(or (InPlace b) (InPlace c))", Some(false)),
+        ("(Clear b)", Some(true)),
+        ("(Clear a)", Some(false)),
+        ("(exists (?p - place) (and (On b ?p) (not (On c ?p))))", Some(true)),
+        ("(exists (?p - pose) (AtPose a ?p))", None),
+    ] {
+        assert_eq!(necessity.value(&read(&domain, goal), &known), holds, "{goal}");
+    }
 }
 
 /// On what each item is; `None`: on nothing, as in the hand.

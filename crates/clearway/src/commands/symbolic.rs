@@ -83,6 +83,13 @@ pub fn solve(
         algorithm,
         engine,
         sequences: !args.all_movable,
+        // Whoever asks for symbols gets them.
+        removals: args.goal.is_some()
+            && !(args.symbolic || args.all_movable)
+            && args.algorithm.is_none()
+            && args.fast_downward.is_none()
+            && args.domain.is_none()
+            && args.streams.is_none(),
     };
     Ok(clearway::solve_goal(handling, &asked, request, directory))
 }

@@ -175,6 +175,7 @@ impl Bench {
             retrieval: true,
             algorithm,
             engine: &Ferroplan::default(),
+            removals: false,
             sequences: case.planner == TaskPlanner::Sequences,
         };
         Ok(problem::solve(&mut handling, &asked, request.seed, &request.budget).plan)

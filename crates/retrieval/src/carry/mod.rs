@@ -23,6 +23,7 @@ use clearway_robot::InverseKinematics;
 use clearway_scene::Scene;
 use motions::AtEnds;
 use rand::Rng;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// How motions are made.
@@ -61,6 +62,8 @@ pub struct Settings {
     pub guides: usize,
     /// Seconds for the hand to close or open, at least.
     pub grip_time: f64,
+    /// The places on which an object may be put down, by their indices; all of them for those that are not named.
+    pub only_on: BTreeMap<ObjectId, Vec<usize>>,
 }
 
 impl Default for Settings {
@@ -84,6 +87,7 @@ impl Default for Settings {
             level_iterations: 250,
             guides: 60,
             grip_time: 0.3,
+            only_on: BTreeMap::new(),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Attempt, Carrier, obstructed, too_slow};
 use crate::grasps::Grasp;
-use crate::place;
+use crate::place::{self, Spot};
 use clearway_collision::{Held, Moment, Obstacle, Touch};
 use clearway_geometry::Pose;
 use clearway_motion::{Path, Posture, Space, distance};
@@ -44,7 +44,9 @@ impl<R: Rng> Carrier<'_, R> {
         held.kernel = Some(world.model.holding(&held.solid()));
         let mut tries = 0;
         let mut blamed = ObjectSet::EMPTY;
-        for spot in place::spots(&self.scene.places, base) {
+        let only_on = self.settings.only_on.get(&object);
+        let may_use = |spot: &Spot| only_on.is_none_or(|places| places.contains(&spot.place));
+        for spot in place::spots(&self.scene.places, base).into_iter().filter(may_use) {
             self.budget.check()?;
             for yaw in place::yaws(forward, spot.at.truncate() - base) {
                 let place = &self.scene.places[spot.place];

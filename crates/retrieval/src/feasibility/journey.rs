@@ -33,6 +33,11 @@ impl Journey {
         self.spent += other.spent;
     }
 
+    /// What motions took so far.
+    pub fn moving(&self) -> Duration {
+        self.spent
+    }
+
     /// Of planning that took so long in all.
     pub fn timing(&self, total: Duration) -> Timing {
         Timing {
