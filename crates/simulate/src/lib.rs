@@ -21,6 +21,7 @@
 //! bending, a limit to what a suction cup holds, air.
 
 mod bodies;
+mod caps;
 mod ends;
 mod error;
 mod grip;

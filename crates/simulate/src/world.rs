@@ -4,14 +4,18 @@
 //! Two bodies rub with the larger of their coefficients; fixtures and the arm have none of their own.
 
 use crate::bodies::{Object, volume};
+use crate::caps::Caps;
 use crate::settings::Settings;
 use clearway_verify::played::{Played, PlayedBody, PlayedShape};
 use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::query::{DefaultQueryDispatcher, QueryDispatcher};
 use rapier3d_f64::dynamics::{CoefficientCombineRule, MassProperties};
 use rapier3d_f64::dynamics::{
     FixedJoint, FrictionModel, ImpulseJointHandle, RigidBodyBuilder, RigidBodyHandle, SpringCoefficients,
 };
-use rapier3d_f64::geometry::{ActiveCollisionTypes, ColliderBuilder, ColliderHandle, ColliderSet, SolverFlags};
+use rapier3d_f64::geometry::{
+    ActiveCollisionTypes, ColliderBuilder, ColliderHandle, ColliderSet, NarrowPhase, SolverFlags,
+};
 use rapier3d_f64::pipeline::{ActiveHooks, ContactModificationContext, PairFilterContext, PhysicsHooks, PhysicsWorld};
 use std::collections::HashSet;
 
@@ -75,7 +79,8 @@ pub(crate) struct World {
 impl World {
     /// `rubber`: links with the settings' friction.
     pub fn new(played: &Played, objects: &[Object], links_at: &[Pose], rubber: &[bool], settings: &Settings) -> Self {
-        let mut physics = PhysicsWorld { gravity: Vector::Z * -GRAVITY, ..PhysicsWorld::default() };
+        let narrow_phase = NarrowPhase::with_query_dispatcher(Caps.chain(DefaultQueryDispatcher));
+        let mut physics = PhysicsWorld { gravity: Vector::Z * -GRAVITY, narrow_phase, ..PhysicsWorld::default() };
         let softness = SpringCoefficients::new(CONTACT_FREQUENCY, CONTACT_DAMPING);
         let parameters = &mut physics.integration_parameters;
         parameters.dt = 1.0 / settings.rate;

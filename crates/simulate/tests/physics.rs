@@ -63,3 +63,29 @@ fn what_stands_stays() {
     assert!(end.distance < 2e-4 && end.tilt < 0.1, "{end:?}");
     assert!(outcome.as_planned && outcome.touches.is_empty(), "{outcome}");
 }
+
+/// Over the gap between two others, on what little of its rim is on them: taken for squares, the ends of cylinders
+/// let it rock, and fall in the end.
+#[test]
+fn what_stands_on_two_stays() {
+    let thing = |id: String, radius: f64, height: f64, [x, y, z]: [f64; 3]| {
+        let mass = (500.0 * std::f64::consts::PI * radius * radius * height * 1e4).round() / 1e4;
+        let cylinder = json!({"radius": radius, "height": height});
+        json!({"id": id, "cylinder": cylinder, "position": [x, y, TABLE + z + height / 2.0], "mass": mass, "friction": 0.4})
+    };
+    let mut objects = Vec::new();
+    for i in 0..20 {
+        let (x, height) = (0.7758 + f64::from(i) * 0.1413, 0.1451 + f64::from(i) * 1e-3);
+        objects.extend([
+            thing(format!("above{i}"), 0.0368, height, [x, 0.0418, 0.2183]),
+            thing(format!("left{i}"), 0.0378, 0.2183, [x, -0.0165, 0.0]),
+            thing(format!("right{i}"), 0.0394, 0.2183, [x, 0.1017, 0.0]),
+        ]);
+    }
+    let outcome = played(&watch(objects, 10.0), &Settings::default());
+    let above: Vec<_> = outcome.ends.iter().filter(|end| end.object.starts_with("above")).collect();
+    assert_eq!(above.len(), 20);
+    for end in above {
+        assert!(end.distance < 3e-4 && end.tilt < 0.05, "{end:?}");
+    }
+}

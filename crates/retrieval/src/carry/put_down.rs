@@ -3,11 +3,15 @@
 use super::{Attempt, Carrier, obstructed, too_slow};
 use crate::grasps::Grasp;
 use crate::place::{self, Spot};
-use clearway_collision::{Held, Moment, Obstacle, Touch};
+use clearway_collision::{Held, Moment, Touch};
 use clearway_geometry::Pose;
 use clearway_motion::{Path, Posture, Space, distance};
 use clearway_plan::{ObjectId, ObjectSet};
 use rand::Rng;
+
+/// Metres more than has to be kept from what stands where an object is put down: it is lowered beside that, and let go
+/// of with fingers that open.
+const SPARE: f64 = 0.004;
 
 /// Where an object goes, and how the hand gets there and away.
 pub(crate) struct Placement {
@@ -46,33 +50,41 @@ impl<R: Rng> Carrier<'_, R> {
         let mut blamed = ObjectSet::EMPTY;
         let only_on = self.settings.only_on.get(&object);
         let may_use = |spot: &Spot| only_on.is_none_or(|places| places.contains(&spot.place));
-        for spot in place::spots(&self.scene.places, base).into_iter().filter(may_use) {
-            self.budget.check()?;
-            for yaw in place::yaws(forward, spot.at.truncate() - base) {
-                let place = &self.scene.places[spot.place];
-                let Some(world_from_object) =
-                    place::standing_at(&world.solids[object.index()], &scene_pose, yaw, &spot, place)
-                else {
-                    continue;
-                };
-                let pose = world.root_from_world * world_from_object;
-                let Some(placement) = self.put_down(&held, grasp, entry, carrying, pose) else { continue };
-                let (down, clear) = (&placement.back[0], &placement.back[placement.back.len() - 1]);
-                if self.least_time(start, down) + self.least_time(down, clear) >= left {
-                    return too_slow();
+        // Where there is room to spare, if there is such a spot.
+        for room in [self.settings.margin + SPARE, self.settings.margin] {
+            for spot in place::spots(&self.scene.places, base).into_iter().filter(may_use) {
+                self.budget.check()?;
+                for yaw in place::yaws(forward, spot.at.truncate() - base) {
+                    let place = &self.scene.places[spot.place];
+                    let Some(world_from_object) =
+                        place::standing_at(&world.solids[object.index()], &scene_pose, yaw, &spot, place)
+                    else {
+                        continue;
+                    };
+                    let pose = world.root_from_world * world_from_object;
+                    let Some(placement) = self.put_down(&held, grasp, entry, carrying, pose, room) else { continue };
+                    let (down, clear) = (&placement.back[0], &placement.back[placement.back.len() - 1]);
+                    if self.least_time(start, down) + self.least_time(down, clear) >= left {
+                        return too_slow();
+                    }
+                    let mut moment = carrying.clone();
+                    moment.held = Some(placement.held.clone());
+                    tries += 1;
+                    let above = placement.lower[0].clone();
+                    match self.level_motion(
+                        &moment,
+                        entry,
+                        &above,
+                        "the motion to the place with the object in hand",
+                    )? {
+                        Ok(transfer) => return Ok(Ok(Placement { transfer, ..placement })),
+                        Err(obstruction) => blamed = blamed.union(obstruction.blamed),
+                    }
+                    if tries >= self.settings.spots {
+                        return obstructed("the motion to the place with the object in hand", blamed);
+                    }
+                    break;
                 }
-                let mut moment = carrying.clone();
-                moment.held = Some(placement.held.clone());
-                tries += 1;
-                let above = placement.lower[0].clone();
-                match self.level_motion(&moment, entry, &above, "the motion to the place with the object in hand")? {
-                    Ok(transfer) => return Ok(Ok(Placement { transfer, ..placement })),
-                    Err(obstruction) => blamed = blamed.union(obstruction.blamed),
-                }
-                if tries >= self.settings.spots {
-                    return obstructed("the motion to the place with the object in hand", blamed);
-                }
-                break;
             }
         }
         if tries > 0 {
@@ -94,7 +106,7 @@ impl<R: Rng> Carrier<'_, R> {
         (0..from.len()).map(joint).fold(0.0, f64::max)
     }
 
-    /// Whether the object can be lowered onto a spot and let go of there.
+    /// Whether the object can be lowered onto a spot and let go of there; so much room to other objects.
     pub(crate) fn put_down(
         &mut self,
         held: &Held,
@@ -102,21 +114,21 @@ impl<R: Rng> Carrier<'_, R> {
         entry: &Posture,
         carrying: &Moment,
         pose: Pose,
+        room: f64,
     ) -> Option<Placement> {
         const BACK_STEP: f64 = 0.025;
         let world = self.world;
         let object = held.object;
         let placed = world.placed(object, &pose);
-        let overlap = |a: &Obstacle, b: &Obstacle| a.near(b, self.settings.margin);
-        if carrying.placed.iter().any(|(_, o)| overlap(&placed, o))
-            || carrying.standing.iter().any(|id| overlap(&placed, &world.objects[id.index()]))
+        if carrying.placed.iter().any(|(_, o)| placed.near(o, room))
+            || carrying.standing.iter().any(|id| placed.near(&world.objects[id.index()], room))
         {
             return None;
         }
         // It comes down from above, clear of all but what will carry it.
         let above =
             world.placed(object, &Pose::new(pose.rotation, pose.translation + world.up() * self.settings.lower_step));
-        if world.fixtures.iter().any(|f| overlap(&above, f)) {
+        if world.fixtures.iter().any(|f| above.near(f, self.settings.margin)) {
             return None;
         }
         let at = pose * grasp.object_from_tool;
