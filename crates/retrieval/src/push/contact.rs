@@ -2,7 +2,7 @@
 
 use crate::grasps::hand;
 use clearway_collision::World;
-use clearway_geometry::distance::{closer_than, distance};
+use clearway_geometry::distance::{between, closer_than, distance};
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
 
 /// The hand moved along a direction from where it is round the object until it meets it.
@@ -53,16 +53,33 @@ impl Contact {
                 }
             })
         };
-        // It can be met no nearer than the gap: the sum of gaps leads there.
+        // Two parts that keep a gap along a line meet no sooner than they come closer along that line: the sum of such
+        // steps leads there.
         let travel = |shift: Vec3| {
             let mut along = 0.0;
             while along <= FARTHEST {
                 let moved = direction * along - shift;
-                let gap = parts.iter().fold(FARTHEST, |nearest, p| gap(p, moved, nearest));
-                if gap <= 1.02 * TOUCH {
-                    return Some(along);
+                let mut step = FARTHEST;
+                for (pose, convex) in &parts {
+                    let pose = Pose::new(pose.rotation, pose.translation + moved);
+                    for (p, other) in &solid.parts {
+                        let there = *tool_from_object * *p;
+                        // Exact distances take longer.
+                        if !closer_than(convex, &pose, other, &there, step + TOUCH) {
+                            continue;
+                        }
+                        let Some(apart) = between(convex, &pose, other, &there) else { return Some(along) };
+                        let gap = apart.length();
+                        let closing = -apart.dot(direction) / gap;
+                        if gap <= 1.02 * TOUCH && closing > 0.0 {
+                            return Some(along);
+                        }
+                        if closing > 0.0 {
+                            step = step.min((gap - TOUCH) / closing);
+                        }
+                    }
                 }
-                along += gap - TOUCH;
+                along += step;
             }
             None
         };
