@@ -46,6 +46,9 @@ impl Hopes {
     /// With `all`, streams that only could be asked are hoped for too; else only those with fluents, which are
     /// asked in a plan.
     pub fn of(store: &mut Store, all: bool, budget: &Budget) -> Result<Self, Stop> {
+        if !all {
+            return Self::within(store, all, DEPTH, usize::MAX, budget);
+        }
         for generations in GENERATIONS {
             let hopes = Self::within(store, all, generations, TOO_MANY, budget)?;
             if hopes.hopes.len() < TOO_MANY {
