@@ -100,7 +100,8 @@ impl Direct {
         (0..self.looked.len()).filter(|&i| self.looked[i].is_some()).map(|i| ObjectId(i as u16))
     }
 
-    /// Nearest first, the target last if it is one of the scene's objects; for a base that drives the order in which it drives least.
+    /// Nearest first, the target last if it is one of the scene's objects; for a base that drives the order in which it
+    /// drives least.
     fn arrange(&self, arm: &mut Feasibility, set: &ObjectSet, budget: &Budget) -> Result<Vec<ObjectId>, Stop> {
         if let Some(order) = arm.itinerary(&self.ways, set, budget)? {
             return Ok(order);

@@ -396,7 +396,7 @@ impl Handling {
     /// Whether no declared grasp leads to an object where the scene has it, as far as was found.
     pub fn has_no_way(&mut self, object: ObjectId, budget: &Budget) -> Result<bool, Stop> {
         self.arm.minimal_sets(object, ObjectSet::CAPACITY, budget)?;
-        Ok(self.arm.all_ways(object).all(|ways| ways.ways.is_empty()))
+        Ok(self.arm.no_way_is_known(object))
     }
 
     /// Objects that, as far as was found, are never taken from where the scene has them, whatever goes first.
@@ -408,9 +408,8 @@ impl Handling {
     /// Objects that certainly are never taken from where the scene has them, whatever goes first, `object` among them;
     /// none where that is not proved.
     pub fn proved_stuck(&mut self, object: ObjectId, budget: &Budget) -> Result<ObjectSet, Stop> {
-        if self.has_no_way(object, budget)? && self.arm.proved_out_of_reach(object, budget)? {
-            return Ok(ObjectSet::of(object));
-        }
+        // What is not looked into yet is not known to have no way.
+        self.has_no_way(object, budget)?;
         self.arm.proved_stuck(object, budget)
     }
 

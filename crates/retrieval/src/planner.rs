@@ -177,17 +177,16 @@ impl Planner {
             most_removals: request.most_removals,
             budget: request.budget.clone(),
             stats: Stats::default(),
-            stuck: ObjectSet::EMPTY,
             observer,
         };
         let mut outcome = self.search_or_stop(&mut run);
-        if let Ok(Some(sequence)) = &outcome
+        if let Ok(Ok(sequence)) = &outcome
             && let Some(better) = self.from_the_start(sequence.objects.len(), request.seed, &mut run)
         {
-            outcome = Ok(Some(better));
+            outcome = Ok(Ok(better));
         }
         let total = began.elapsed();
-        let Run { journey, mut stats, stuck, .. } = run;
+        let Run { journey, mut stats, .. } = run;
         let timing = journey.timing(total);
         stats.roadmap_nodes = self.roadmap.nodes.len();
         stats.retrieval_nodes = self.graph.len();
@@ -195,8 +194,8 @@ impl Planner {
         stats.grasps_tried =
             self.arm.stands.iter().flat_map(|s| s.ways.iter().flatten()).map(|w| w.counts.total()).sum();
         let (ending, sequence, stopped) = match outcome {
-            Ok(Some(sequence)) => (Ending::Solved(sequence.objects.clone()), Some(sequence), None),
-            Ok(None) => (Ending::Impossible(stuck), None, None),
+            Ok(Ok(sequence)) => (Ending::Solved(sequence.objects.clone()), Some(sequence), None),
+            Ok(Err(stuck)) => (Ending::Impossible(stuck), None, None),
             Err(stop) => (Ending::Stopped(Some(stop)), None, Some(stop)),
         };
         let mut plan = self.arm.plan_file(&ending, journey, &request.budget);
@@ -223,10 +222,9 @@ impl Planner {
             most_removals: Some(removed - 1),
             budget: run.budget.clone(),
             stats: run.stats.clone(),
-            stuck: ObjectSet::EMPTY,
             observer: &mut *run.observer,
         };
-        let found = self.search_or_stop(&mut again).ok().flatten();
+        let found = self.search_or_stop(&mut again).ok().and_then(Result::ok);
         let Run { mut journey, stats, .. } = again;
         self.arm.stands.extend(others);
         match found {
@@ -240,18 +238,18 @@ impl Planner {
         found
     }
 
-    /// The sequence whose motions the journey then holds; `None` when it is proved that there is none.
-    fn search_or_stop(&mut self, run: &mut Run) -> Result<Option<Sequence>, Stop> {
+    /// The sequence whose motions the journey then holds, or, when it is proved that there is none, the objects that are
+    /// never taken, the target among them.
+    fn search_or_stop(&mut self, run: &mut Run) -> Result<Result<Sequence, ObjectSet>, Stop> {
         let target = self.arm.scene.target;
         let count = self.arm.scene.objects.len();
         run.budget.check()?;
         self.arm.choose_stops();
         let mut proof_tried = false;
-        if self.arm.minimal_sets(target, 0, &run.budget)?.is_empty()
-            && self.arm.all_ways(target).all(|w| w.ways.is_empty())
-        {
-            if self.arm.proved_out_of_reach(target, &run.budget)? || self.is_stuck(run)? {
-                return Ok(None);
+        if self.arm.minimal_sets(target, 0, &run.budget)?.is_empty() && self.arm.no_way_is_known(target) {
+            let stuck = self.arm.proved_stuck(target, &run.budget)?;
+            if !stuck.is_empty() {
+                return Ok(Err(stuck));
             }
             proof_tried = true;
         }
@@ -272,7 +270,7 @@ impl Planner {
             // The arm's own ways may do; then the roadmap need not grow.
             if !self.settings.as_in_paper {
                 match self.search_directly(&mut direct, &mut limit, run)? {
-                    Ok(sequence) => return Ok(Some(sequence)),
+                    Ok(sequence) => return Ok(Ok(sequence)),
                     // As long as there may be more of these, long ones along the roadmap are not asked for.
                     Err(Some(next)) if limit >= LONG && next <= most => {
                         limit = next;
@@ -281,8 +279,9 @@ impl Planner {
                     // None of any length: there may be no other either.
                     Err(None) if !proof_tried && run.most_removals.is_none() => {
                         proof_tried = true;
-                        if self.is_stuck(run)? {
-                            return Ok(None);
+                        let stuck = self.arm.proved_stuck(target, &run.budget)?;
+                        if !stuck.is_empty() {
+                            return Ok(Err(stuck));
                         }
                     }
                     Err(_) => {}
@@ -305,7 +304,7 @@ impl Planner {
                 retrieval_nodes: self.graph.len(),
             });
             if let Some(sequence) = self.check_all(limit, run)? {
-                return Ok(Some(sequence));
+                return Ok(Ok(sequence));
             }
             if limit < most {
                 limit += 1;
@@ -325,12 +324,6 @@ impl Planner {
             direct = Direct::new(count, target, None);
             limit = 1;
         }
-    }
-
-    /// Whether it is proved that the target cannot be taken.
-    fn is_stuck(&self, run: &mut Run) -> Result<bool, Stop> {
-        run.stuck = self.arm.proved_stuck(self.arm.scene.target, &run.budget)?;
-        Ok(!run.stuck.is_empty())
     }
 
     /// The fewest objects along the arm's own ways; where there are none, the next limit at which there
@@ -477,8 +470,6 @@ struct Run<'a> {
     most_removals: Option<usize>,
     budget: Budget,
     stats: Stats,
-    /// Objects that are proved never to be taken, the target among them.
-    stuck: ObjectSet,
     observer: &'a mut dyn Observer,
 }
 

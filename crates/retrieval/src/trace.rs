@@ -317,10 +317,12 @@ fn all_learned(arm: &Feasibility) -> Vec<ObjectWhy> {
         .map(|i| {
             let object = ObjectId(i as u16);
             let why = learned(arm, object);
-            let reason = match (&why.blocked_by, Some(arm.all_ways(object).map(|w| w.ways.len()).sum::<usize>())) {
-                (_, Some(0)) => "no grasp that was tried leads to it, whatever is removed".to_owned(),
-                (by, _) if by.is_empty() => "it can be picked as things stand".to_owned(),
-                (by, _) => format!("one of these has to go first: {}", one_of(by, usize::MAX)),
+            let reason = match &why.blocked_by {
+                _ if arm.no_way_is_known(object) => {
+                    "no grasp that was tried leads to it, whatever is removed".to_owned()
+                }
+                by if by.is_empty() => "it can be picked as things stand".to_owned(),
+                by => format!("one of these has to go first: {}", one_of(by, usize::MAX)),
             };
             ObjectWhy { object: names[i].clone(), reason, ..why }
         })

@@ -3,8 +3,7 @@
 //! two others a cylinder has a base of a few millimetres. Here the points are those of the circle.
 
 use parry3d_f64::math::{Pose, Vector};
-use parry3d_f64::query::details::NormalConstraints;
-use parry3d_f64::query::details::ShapeCastOptions;
+use parry3d_f64::query::details::{NormalConstraints, ShapeCastOptions};
 use parry3d_f64::query::{
     ClosestPoints, Contact, ContactManifold, ContactManifoldsWorkspace, NonlinearRigidMotion,
     PersistentQueryDispatcher, QueryDispatcher, ShapeCastHit, ShapeDistance, ShapeIntersection, TrackedContact,
@@ -33,7 +32,9 @@ impl<M: Default, C: Default + Copy> PersistentQueryDispatcher<M, C> for Caps {
         let touch = match (g1.as_cylinder(), g2.as_cylinder()) {
             (Some(a), Some(b)) => touching(pos12, a, b),
             (Some(a), None) => g2.as_cuboid().and_then(|b| standing(pos12, a, b)),
-            (None, Some(b)) => g1.as_cuboid().and_then(|a| flipped(pos12, standing(&pos12.inverse(), b, a)?)),
+            (None, Some(b)) => {
+                g1.as_cuboid().and_then(|a| standing(&pos12.inverse(), b, a)).map(|seen| flipped(pos12, seen))
+            }
             (None, None) => None,
         };
         let Some((normal, points)) = touch else { return Err(Unsupported) };
@@ -69,9 +70,11 @@ impl<M: Default, C: Default + Copy> PersistentQueryDispatcher<M, C> for Caps {
     }
 }
 
-/// Seen from *a*: the way out of its end, and points of the end with how far *b*'s is from there. `None` where these
-/// two do not meet with their ends.
-fn touching(a_from_b: &Pose, a: &Cylinder, b: &Cylinder) -> Option<(Vector, Vec<(Vector, f64)>)> {
+/// Seen from *a*: the way out of it, and points on it with how far *b* is from there.
+type Touch = (Vector, Vec<(Vector, f64)>);
+
+/// Of two cylinders. `None` where they do not meet with their ends.
+fn touching(a_from_b: &Pose, a: &Cylinder, b: &Cylinder) -> Option<Touch> {
     let normal = Vector::Y * a_from_b.translation.y.signum();
     let axis = a_from_b.rotation * Vector::Y;
     let facing = axis * -axis.dot(normal).signum();
@@ -86,7 +89,7 @@ fn touching(a_from_b: &Pose, a: &Cylinder, b: &Cylinder) -> Option<(Vector, Vec<
 }
 
 /// The same of a cylinder that stands on a box with all of its rim.
-fn standing(a_from_b: &Pose, a: &Cylinder, b: &Cuboid) -> Option<(Vector, Vec<(Vector, f64)>)> {
+fn standing(a_from_b: &Pose, a: &Cylinder, b: &Cuboid) -> Option<Touch> {
     let b_from_a = a_from_b.inverse();
     let axis = b_from_a.rotation * Vector::Y;
     // Which of the box's faces, and which of the cylinder's ends.
@@ -104,11 +107,8 @@ fn standing(a_from_b: &Pose, a: &Cylinder, b: &Cuboid) -> Option<(Vector, Vec<(V
 }
 
 /// Seen from the other.
-fn flipped(b_from_a: &Pose, (normal, points): (Vector, Vec<(Vector, f64)>)) -> Option<(Vector, Vec<(Vector, f64)>)> {
-    Some((
-        b_from_a.rotation * -normal,
-        points.into_iter().map(|(p, gap)| (*b_from_a * (p + normal * gap), gap)).collect(),
-    ))
+fn flipped(b_from_a: &Pose, (normal, points): Touch) -> Touch {
+    (b_from_a.rotation * -normal, points.into_iter().map(|(p, gap)| (*b_from_a * (p + normal * gap), gap)).collect())
 }
 
 /// Points round what two discs have in common, the first about the origin; eight, always in the same order.
@@ -244,7 +244,7 @@ mod tests {
                 let (normal, points) = standing(&at(0.1).inverse(), &cylinder, &cube).expect("it stands there");
                 assert!(normal == -Vector::Y && points.len() == 8);
                 assert!(points.iter().all(|(p, gap)| (gap - 3e-4).abs() < 1e-9 && (p.y + 0.1).abs() < 1e-12));
-                let (out, seen) = flipped(&at(0.1), (normal, points.clone())).expect("the same");
+                let (out, seen) = flipped(&at(0.1), (normal, points));
                 assert!((out - axis * side).length() < 1e-9);
                 assert!(seen.iter().all(|(p, _)| (p.dot(axis) * side - half).abs() < 1e-9), "{seen:?}");
                 assert!(standing(&at(0.29).inverse(), &cylinder, &cube).is_none(), "over the edge");

@@ -73,7 +73,8 @@ impl Hopes {
             let fluent = store.is_fluent(known.stream);
             if !known.rests && !known.exhausted && (fluent || all) {
                 let (stream, inputs) = (known.stream, known.inputs.clone());
-                hopes.add(store, stream, inputs, fluent);
+                let made_of = hopes.made_of(store, stream, &inputs);
+                hopes.add(store, stream, inputs, made_of, fluent);
             }
         }
         let mut hoped: HashSet<(usize, Vec<Value>)> = HashSet::new();
@@ -83,11 +84,11 @@ impl Hopes {
                 budget.check()?;
                 for inputs in store.inputs_among(stream, &hopes.facts, &hopes.optimistic) {
                     let open = inputs.iter().any(|v| hopes.optimistic.contains(v));
-                    if open
-                        && hopes.generation(store, stream, &inputs) <= generations
-                        && hoped.insert((stream, inputs.clone()))
-                    {
-                        hopes.add(store, stream, inputs, false);
+                    if open && hoped.insert((stream, inputs.clone())) {
+                        let made_of = hopes.made_of(store, stream, &inputs);
+                        if made_of.values().all(|generation| *generation <= generations) {
+                            hopes.add(store, stream, inputs, made_of, false);
+                        }
                     }
                     if hopes.hopes.len() >= most {
                         return Ok(hopes);
@@ -101,21 +102,26 @@ impl Hopes {
         Ok(hopes)
     }
 
-    /// Of how many of its own type each, made one of the other, an output of a stream would be the last.
-    fn generation(&self, store: &Store, stream: usize, inputs: &[Value]) -> usize {
-        let made_of = |of: &TypeId| inputs.iter().filter_map(|v| self.made_of.get(v)?.get(of)).max().copied();
-        let outputs = store.streams[stream].outputs.iter();
-        outputs.map(|output| made_of(&output.of).unwrap_or(0) + 1).max().unwrap_or(0)
-    }
-
-    fn add(&mut self, store: &mut Store, stream: usize, inputs: Vec<Value>, found: bool) {
-        let declared = &store.streams[stream];
+    /// What outputs of a stream would be made of, themselves included.
+    fn made_of(&self, store: &Store, stream: usize, inputs: &[Value]) -> BTreeMap<TypeId, usize> {
         let mut made_of: BTreeMap<TypeId, usize> = BTreeMap::new();
         for (of, count) in inputs.iter().filter_map(|v| self.made_of.get(v)).flatten() {
             let most = made_of.entry(*of).or_default();
             *most = (*most).max(*count);
         }
-        declared.outputs.iter().for_each(|output| *made_of.entry(output.of).or_default() += 1);
+        store.streams[stream].outputs.iter().for_each(|output| *made_of.entry(output.of).or_default() += 1);
+        made_of
+    }
+
+    fn add(
+        &mut self,
+        store: &mut Store,
+        stream: usize,
+        inputs: Vec<Value>,
+        made_of: BTreeMap<TypeId, usize>,
+        found: bool,
+    ) {
+        let declared = &store.streams[stream];
         let mut outputs = Vec::new();
         for output in &declared.outputs {
             let name =

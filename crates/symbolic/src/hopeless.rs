@@ -2,7 +2,7 @@
 
 use crate::needs::Needs;
 use crate::search::NoPlan;
-use clearway_plan::{Budget, ObjectId, ObjectSet, Stop};
+use clearway_plan::{Budget, ObjectSet, Stop};
 use clearway_retrieval::handling::Handling;
 
 impl Needs<'_> {
@@ -37,7 +37,7 @@ impl Needs<'_> {
         let suspects = handling.seem_stuck(budget)?;
         self.prove_of(suspects, handling, budget)?;
         let mut stuck = ObjectSet::EMPTY;
-        for object in suspects.iter() {
+        for object in suspects.difference(self.needed).iter() {
             if !handling.proved_stuck(object, budget)?.is_empty() {
                 stuck.insert(object);
             }
@@ -45,10 +45,9 @@ impl Needs<'_> {
         if !self.forbidden_by(stuck) {
             return Ok(());
         }
-        let without = |set: ObjectSet, object: ObjectId| set.difference(ObjectSet::of(object));
         // Those that do not matter for it are not told.
         let needed = stuck.iter().fold(stuck, |needed, object| {
-            let fewer = without(needed, object);
+            let fewer = needed.difference(ObjectSet::of(object));
             if self.forbidden_by(fewer) { fewer } else { needed }
         });
         Err(NoPlan::Stuck { needed, others: ObjectSet::EMPTY })

@@ -1,7 +1,8 @@
 //! What is certain of a goal where only of some objects it is known what they are on: whether it cannot hold as long as
 //! some stand where they stand, whatever becomes of all others.
 //!
-//! The goal is looked at with three values (Kleene's). For the built-in domain, in which only motions change what an object is on.
+//! The goal is looked at with three values (Kleene's). For the built-in domain, in which only motions change what an
+//! object is on.
 
 use crate::pddl::{Atom, Constant, Domain, Formula, Goal, PredicateId, Term, TypeId, Variable};
 use std::collections::HashMap;

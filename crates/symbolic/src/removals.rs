@@ -57,15 +57,12 @@ impl Needs<'_> {
     /// Whether the goal holds where some objects were carried to, and the others are as known: places may overlap.
     fn holds_after<'k>(&'k self, carried: &[Carried], handling: &'k Handling, mut known: Known<'k>) -> bool {
         for Carried { step, after, .. } in carried {
-            let Some((name, object)) =
-                self.names.iter().find(|n| **n == step.object).zip(handling.scene().object(&step.object))
-            else {
-                return false;
-            };
+            let Some(object) = handling.scene().object(&step.object) else { return false };
             let at = after.placed.iter().rev().find(|(placed, _)| *placed == object);
             let under = at.map_or(Vec::new(), |(_, at)| handling.places_under(object, at));
             let places = &handling.scene().places;
-            known.insert(name, Stands::On(under.into_iter().map(|place| places[place].id.as_str()).collect()));
+            let on = under.into_iter().map(|place| places[place].id.as_str()).collect();
+            known.insert(&self.names[object.index()], Stands::On(on));
         }
         self.necessity.as_ref().is_some_and(|necessity| necessity.value(self.asked.goal, &known) == Some(true))
     }

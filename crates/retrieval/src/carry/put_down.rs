@@ -3,11 +3,12 @@
 use super::{Attempt, Carrier, obstructed, too_slow};
 use crate::grasps::Grasp;
 use crate::place::{self, Spot};
-use clearway_collision::{Held, Moment, Touch};
+use clearway_collision::{Held, Moment, Obstacle, Touch};
 use clearway_geometry::Pose;
 use clearway_motion::{Path, Posture, Space, distance};
 use clearway_plan::{ObjectId, ObjectSet};
 use rand::Rng;
+use std::sync::Arc;
 
 /// Metres more than has to be kept from what stands where an object is put down: it is lowered beside that, and let go
 /// of with fingers that open.
@@ -37,6 +38,7 @@ impl<R: Rng> Carrier<'_, R> {
         carrying: &Moment,
         left: f64,
     ) -> Attempt<Placement> {
+        const ACROSS: &str = "the motion to the place with the object in hand";
         let (Some(entry), Some(start)) = (out.last(), out.first()) else {
             return obstructed("the way is empty", ObjectSet::EMPTY);
         };
@@ -50,45 +52,48 @@ impl<R: Rng> Carrier<'_, R> {
         let mut blamed = ObjectSet::EMPTY;
         let only_on = self.settings.only_on.get(&object);
         let may_use = |spot: &Spot| only_on.is_none_or(|places| places.contains(&spot.place));
+        let spots: Vec<Spot> = place::spots(&self.scene.places, base).into_iter().filter(may_use).collect();
         // Where there is room to spare, if there is such a spot.
-        for room in [self.settings.margin + SPARE, self.settings.margin] {
-            for spot in place::spots(&self.scene.places, base).into_iter().filter(may_use) {
-                self.budget.check()?;
-                for yaw in place::yaws(forward, spot.at.truncate() - base) {
-                    let place = &self.scene.places[spot.place];
-                    let Some(world_from_object) =
-                        place::standing_at(&world.solids[object.index()], &scene_pose, yaw, &spot, place)
-                    else {
-                        continue;
-                    };
-                    let pose = world.root_from_world * world_from_object;
-                    let Some(placement) = self.put_down(&held, grasp, entry, carrying, pose, room) else { continue };
-                    let (down, clear) = (&placement.back[0], &placement.back[placement.back.len() - 1]);
-                    if self.least_time(start, down) + self.least_time(down, clear) >= left {
-                        return too_slow();
-                    }
-                    let mut moment = carrying.clone();
-                    moment.held = Some(placement.held.clone());
-                    tries += 1;
-                    let above = placement.lower[0].clone();
-                    match self.level_motion(
-                        &moment,
-                        entry,
-                        &above,
-                        "the motion to the place with the object in hand",
-                    )? {
-                        Ok(transfer) => return Ok(Ok(Placement { transfer, ..placement })),
-                        Err(obstruction) => blamed = blamed.union(obstruction.blamed),
-                    }
-                    if tries >= self.settings.spots {
-                        return obstructed("the motion to the place with the object in hand", blamed);
-                    }
-                    break;
+        for (spare, spot) in [true, false].into_iter().flat_map(|spare| spots.iter().map(move |spot| (spare, spot))) {
+            self.budget.check()?;
+            for yaw in place::yaws(forward, spot.at.truncate() - base) {
+                let place = &self.scene.places[spot.place];
+                let Some(world_from_object) =
+                    place::standing_at(&world.solids[object.index()], &scene_pose, yaw, spot, place)
+                else {
+                    continue;
+                };
+                let pose = world.root_from_world * world_from_object;
+                let placed = world.placed(object, &pose);
+                let keeps = |room: f64| {
+                    !carrying.placed.iter().any(|(_, other)| placed.near(other, room))
+                        && !carrying.standing.iter().any(|id| placed.near(&world.objects[id.index()], room))
+                };
+                // What has no room to spare waits for its turn.
+                if keeps(self.settings.margin + SPARE) != spare || !spare && !keeps(self.settings.margin) {
+                    continue;
                 }
+                let Some(placement) = self.put_down(&held, grasp, entry, carrying, pose, placed) else { continue };
+                let (down, clear) = (&placement.back[0], &placement.back[placement.back.len() - 1]);
+                if self.least_time(start, down) + self.least_time(down, clear) >= left {
+                    return too_slow();
+                }
+                let mut moment = carrying.clone();
+                moment.held = Some(placement.held.clone());
+                tries += 1;
+                let above = placement.lower[0].clone();
+                match self.level_motion(&moment, entry, &above, ACROSS)? {
+                    Ok(transfer) => return Ok(Ok(Placement { transfer, ..placement })),
+                    Err(obstruction) => blamed = blamed.union(obstruction.blamed),
+                }
+                if tries >= self.settings.spots {
+                    return obstructed(ACROSS, blamed);
+                }
+                break;
             }
         }
         if tries > 0 {
-            return obstructed("the motion to the place with the object in hand", blamed);
+            return obstructed(ACROSS, blamed);
         }
         obstructed("no spot is left on the places that the hand can reach with the object", ObjectSet::EMPTY)
     }
@@ -106,7 +111,7 @@ impl<R: Rng> Carrier<'_, R> {
         (0..from.len()).map(joint).fold(0.0, f64::max)
     }
 
-    /// Whether the object can be lowered onto a spot and let go of there; so much room to other objects.
+    /// Whether the object can be lowered onto a spot and let go of there, `placed` among others that it does not touch.
     pub(crate) fn put_down(
         &mut self,
         held: &Held,
@@ -114,17 +119,11 @@ impl<R: Rng> Carrier<'_, R> {
         entry: &Posture,
         carrying: &Moment,
         pose: Pose,
-        room: f64,
+        placed: Arc<Obstacle>,
     ) -> Option<Placement> {
         const BACK_STEP: f64 = 0.025;
         let world = self.world;
         let object = held.object;
-        let placed = world.placed(object, &pose);
-        if carrying.placed.iter().any(|(_, o)| placed.near(o, room))
-            || carrying.standing.iter().any(|id| placed.near(&world.objects[id.index()], room))
-        {
-            return None;
-        }
         // It comes down from above, clear of all but what will carry it.
         let above =
             world.placed(object, &Pose::new(pose.rotation, pose.translation + world.up() * self.settings.lower_step));

@@ -381,6 +381,11 @@ impl Feasibility {
         self.stands.iter().filter_map(move |s| s.ways[object.index()].as_ref())
     }
 
+    /// Whether there is no way to an object among those known.
+    pub(crate) fn no_way_is_known(&self, object: ObjectId) -> bool {
+        self.all_ways(object).all(|ways| ways.ways.is_empty())
+    }
+
     /// Whether anything is known of an object's ways.
     pub(crate) fn looked_into(&self, object: ObjectId) -> bool {
         self.all_ways(object).next().is_some()
@@ -404,7 +409,7 @@ impl Feasibility {
 
     /// Whether every declared grasp fails for a reason that removing objects cannot mend, by a
     /// complete inverse kinematics, and without the margins that the search keeps.
-    pub(crate) fn proved_out_of_reach(&mut self, object: ObjectId, budget: &Budget) -> Result<bool, Stop> {
+    fn proved_out_of_reach(&mut self, object: ObjectId, budget: &Budget) -> Result<bool, Stop> {
         let Stand { world, ways, .. } = &self.stands[0];
         if ways[object.index()].is_none() {
             return Ok(false);
@@ -433,7 +438,10 @@ impl Feasibility {
 
     /// Objects that certainly are never taken over the declared grasps, whatever goes first, `object` among them; none
     /// where that is not proved. Without the margins that the search keeps.
-    pub fn proved_stuck(&self, object: ObjectId, budget: &Budget) -> Result<ObjectSet, Stop> {
+    pub fn proved_stuck(&mut self, object: ObjectId, budget: &Budget) -> Result<ObjectSet, Stop> {
+        if self.no_way_is_known(object) && self.proved_out_of_reach(object, budget)? {
+            return Ok(ObjectSet::of(object));
+        }
         let Self { inverse, scene, .. } = self;
         if self.base.is_some() || scene.file.camera.is_some() {
             return Ok(ObjectSet::EMPTY);

@@ -2,7 +2,7 @@
 
 use crate::grasps::hand;
 use clearway_collision::World;
-use clearway_geometry::distance::{between, closer_than, distance};
+use clearway_geometry::distance::{between, closer_than};
 use clearway_geometry::{Convex, Pose, Solid, Vec3};
 
 /// The hand moved along a direction from where it is round the object until it meets it.
@@ -25,7 +25,7 @@ const SLIPS: f64 = 2e-4;
 /// The hand does not go farther to meet the object.
 const FARTHEST: f64 = 0.08;
 
-/// A part of the hand, seen from the tool.
+/// A part of the hand or of the object, seen from the tool.
 type Part<'a> = (Pose, &'a Convex);
 
 impl Contact {
@@ -41,18 +41,8 @@ impl Contact {
     ) -> Option<Self> {
         let open = world.model.robot.hand.open();
         let parts: Vec<Part> = hand(world, open).collect();
-        let gap = |part: &Part, moved: Vec3, most: f64| {
-            let pose = Pose::new(part.0.rotation, part.0.translation + moved);
-            solid.parts.iter().fold(most, |nearest, (p, convex)| {
-                let there = *tool_from_object * *p;
-                // Exact distances take longer.
-                if closer_than(part.1, &pose, convex, &there, nearest) {
-                    nearest.min(distance(part.1, &pose, convex, &there))
-                } else {
-                    nearest
-                }
-            })
-        };
+        let others: Vec<Part> = solid.parts.iter().map(|(pose, convex)| (*tool_from_object * *pose, convex)).collect();
+        let at = |(pose, _): &Part, moved: Vec3| Pose::new(pose.rotation, pose.translation + moved);
         // Two parts that keep a gap along a line meet no sooner than they come closer along that line: the sum of such
         // steps leads there.
         let travel = |shift: Vec3| {
@@ -60,23 +50,21 @@ impl Contact {
             while along <= FARTHEST {
                 let moved = direction * along - shift;
                 let mut step = FARTHEST;
-                for (pose, convex) in &parts {
-                    let pose = Pose::new(pose.rotation, pose.translation + moved);
-                    for (p, other) in &solid.parts {
-                        let there = *tool_from_object * *p;
-                        // Exact distances take longer.
-                        if !closer_than(convex, &pose, other, &there, step + TOUCH) {
-                            continue;
-                        }
-                        let Some(apart) = between(convex, &pose, other, &there) else { return Some(along) };
-                        let gap = apart.length();
-                        let closing = -apart.dot(direction) / gap;
-                        if gap <= 1.02 * TOUCH && closing > 0.0 {
+                let pairs = parts.iter().flat_map(|part| others.iter().map(move |other| (part, other)));
+                for (part, (there, other)) in pairs {
+                    let here = at(part, moved);
+                    // Exact distances take longer.
+                    if !closer_than(part.1, &here, other, there, step + TOUCH) {
+                        continue;
+                    }
+                    let Some(apart) = between(part.1, &here, other, there) else { return Some(along) };
+                    let gap = apart.length();
+                    let closing = -apart.dot(direction) / gap;
+                    if closing > 0.0 {
+                        if gap <= 1.02 * TOUCH {
                             return Some(along);
                         }
-                        if closing > 0.0 {
-                            step = step.min((gap - TOUCH) / closing);
-                        }
+                        step = step.min((gap - TOUCH) / closing);
                     }
                 }
                 along += step;
@@ -89,7 +77,11 @@ impl Contact {
         if !held_back(side) || !held_back(-side) {
             return None;
         }
-        let touching = parts.iter().filter(|p| gap(p, direction * free, NEAR) < NEAR);
+        let touches = |part: &&Part| {
+            let here = at(part, direction * free);
+            others.iter().any(|(there, other)| closer_than(part.1, &here, other, there, NEAR))
+        };
+        let touching = parts.iter().filter(touches);
         let top = touching.map(|(pose, convex)| pose.point(convex.support(pose.rotation.transpose() * up)).dot(up));
         Some(Self { direction, free, top: top.fold(f64::NEG_INFINITY, f64::max) })
     }
